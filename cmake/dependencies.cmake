@@ -1,0 +1,12 @@
+# Every library comes from a Debian 12 package; docs/dependencies.md says why each is here.
+find_package(TBB REQUIRED)
+find_package(Imath REQUIRED)
+find_package(OpenImageIO REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 REQUIRED)
+endif()

@@ -1,0 +1,37 @@
+# Compiler settings shared by every target.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+option(DAPPLE_TESTS "build the tests" ON)
+option(DAPPLE_BENCH "build the benchmarks" ON)
+option(DAPPLE_FUZZ "build the libFuzzer targets (clang only)" OFF)
+option(DAPPLE_WERROR "treat warnings as errors" ON)
+set(DAPPLE_ARCH "x86-64-v3" CACHE STRING "value of -march (empty: the compiler's default)")
+set(DAPPLE_SANITIZE "" CACHE STRING "value of -fsanitize, e.g. address,undefined or thread")
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor -fno-math-errno -fno-trapping-math)
+# No fused contraction left to chance: the same source gives the same bits in every translation unit.
+add_compile_options(-ffp-contract=off)
+if(DAPPLE_WERROR)
+  add_compile_options(-Werror)
+endif()
+if(DAPPLE_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  add_compile_options(-march=${DAPPLE_ARCH})
+endif()
+if(DAPPLE_SANITIZE)
+  add_compile_options(-fsanitize=${DAPPLE_SANITIZE} -fno-omit-frame-pointer -g1)
+  add_link_options(-fsanitize=${DAPPLE_SANITIZE})
+endif()
+string(REPLACE "-O2" "-O3" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")

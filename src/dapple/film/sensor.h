@@ -1,0 +1,31 @@
+// From lanes to sensor RGB: pbrt's sensor and exposure model.
+#pragma once
+
+#include "dapple/math/vec.h"
+#include "dapple/spectrum/spectrum.h"
+#include "dapple/spectrum/wavelengths.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dapple {
+
+struct Sensor {
+    float imaging_ratio = 1.0f;  // exposure time * ISO / 100
+    // Sensor response curves, spectrum_table_size values each; CIE XYZ by default (see sensor.cpp).
+    std::array<std::vector<float>, 3> response;
+    // Output RGB (linear, the film's colour space) from sensor response.
+    std::array<std::array<float, 3>, 3> rgb_from_response{};
+
+    // Output RGB of radiance L [W/(m2 sr nm)]: mean over lanes of response * L / pdf, times the imaging ratio, to the
+    // output colour space. In the rgb model: L's first three lanes times the imaging ratio.
+    Vec3 to_rgb(const Spectrum& radiance, const Wavelengths& wavelengths) const;
+};
+
+// The sensor named as pbrt names it ("cie1931", "canon_eos_5d_mkiv", ...), for an output colour space name. Throws
+// UserError for an unknown name. white_balance in kelvin, 0: none for cie1931, 6500 for the others.
+Sensor make_sensor(const std::string& name, const std::string& color_space, float white_balance, float imaging_ratio);
+
+}  // namespace dapple

@@ -1,0 +1,58 @@
+// What every algorithm is to the rest of the program: it renders pass i of a world into a film. A pass depends on the
+// world, the settings, the seed and i alone.
+#pragma once
+
+#include "dapple/film/film.h"
+#include "dapple/integrators/settings.h"
+#include "dapple/world/world.h"
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dapple {
+
+// Counters of work done, for progress and performance reports. Not part of any result.
+struct Statistics {
+    std::atomic<uint64_t> eye_paths{0};
+    std::atomic<uint64_t> light_paths{0};
+    std::atomic<uint64_t> photons_stored{0};
+    std::atomic<uint64_t> rays{0};
+};
+
+struct PassContext {
+    const World& world;
+    uint64_t seed = 0;
+    uint32_t pass = 0;
+    Statistics& statistics;
+    const std::atomic<bool>* cancel = nullptr;  // set: return soon, the pass will be thrown away
+    bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
+};
+
+class Integrator {
+public:
+    virtual ~Integrator() = default;
+    // Adds pass context.pass to the film (without calling film.end_pass()).
+    virtual void render_pass(const PassContext& context, Film& film) = 0;
+    // One line each: what the settings resolved to for this world ("radius 3.2 mm from the pixel footprint", ...).
+    virtual std::vector<std::string> report() const { return {}; }
+};
+
+// One line of the registry: everything the command line, the docs and the tests need to know of an algorithm.
+struct IntegratorEntry {
+    std::string_view name;
+    std::string_view summary;
+    std::span<const SettingInfo> settings;
+    bool media = false;          // handles scattering media
+    bool photon_layers = false;  // fills photon density and radius
+    std::unique_ptr<Integrator> (*create)(const World& world, const Settings& settings);
+};
+
+std::span<const IntegratorEntry> integrator_registry();
+// Throws UserError with the nearest known name.
+const IntegratorEntry& find_integrator(std::string_view name);
+
+}  // namespace dapple

@@ -1,0 +1,100 @@
+// Lights as the compiled world holds them: one small value per emitter (each triangle of an emissive mesh is one), and
+// free functions to sample direct light, to start light paths, and to evaluate. Radiometric units: W, sr, m.
+#pragma once
+
+#include "dapple/base/path_class.h"
+#include "dapple/materials/texture.h"
+#include "dapple/math/ray.h"
+#include "dapple/math/transform.h"
+#include "dapple/sampling/piecewise.h"
+#include "dapple/shapes/primitive.h"
+#include "dapple/spectrum/spectrum_value.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace dapple {
+
+struct LightTag {};
+using LightId = Id<LightTag>;
+struct MediumTag {};
+using MediumId = Id<MediumTag>;
+
+struct Light {
+    enum class Kind : uint8_t { point, spot, distant, area, environment, environment_image, goniometric, projection };
+    Kind kind = Kind::point;
+    bool two_sided = false;          // area
+    SpectrumValue spectrum;          // L [W/(m2 sr nm)] (area, distant, environment) or I [W/(sr nm)]; scale included
+    uint32_t image = Id<int>::none_value;  // radiance or intensity map (index into Lights::images), multiplies spectrum
+    AnimatedTransform world_from_light;  // delta and environment lights
+    float cos_total = -1, cos_falloff = -1;  // spot: cosines of cone angle and of the start of the falloff
+    Matrix4 screen_from_light;       // projection
+    float screen_half[2] = {1, 1};   // projection: half extent of the image on the plane z = 1
+    Primitive shape;                 // area: its geometry in world space
+    float alpha = 1.0f;              // area: constant alpha of the shape (textured alpha emits from all of it)
+    LightGroup group{0u};
+    MediumId medium;                 // the medium around a point, spot, ... light
+};
+
+// An image map of a light, with the distribution to sample it. Environment maps use pbrt's equal-area octahedral layout.
+struct LightImage {
+    Image pixels;                    // 1 channel: scale; 3 channels: linear RGB in the colour space of the scene
+    Distribution2D distribution;     // over [0,1]^2 of the image, solid-angle corrected where needed
+    bool environment = false;
+};
+
+struct Lights {
+    std::vector<Light> list;
+    std::vector<LightImage> images;
+    // Bounding sphere of everything, for far lights.
+    Vec3 scene_center{0, 0, 0};
+    float scene_radius = 1.0f;
+};
+
+// Direct light at a point. wi points to the light.
+struct DirectSample {
+    Vec3 wi{0, 0, 1};
+    float distance = 0.0f;           // to the light's point; infinity for far lights
+    Spectrum radiance;               // incident radiance, or for delta lights irradiance normal to wi (I / d^2)
+    float pdf = 0.0f;                // per solid angle at the reference point; 1 for delta lights
+    bool delta = false;
+    Vec3 position{0, 0, 0};          // point on the light (near lights), offset for a shadow ray
+    Vec3 error{0, 0, 0};             // its error bound
+    Vec3 normal{0, 0, 0};            // area lights: unit normal at position
+};
+
+// False when the light cannot reach the point. Does not trace.
+bool sample_direct(const Lights& lights, const SpectrumPool& pool, LightId id, const Vec3& reference, float time,
+                   const Vec2& u, const Wavelengths& wavelengths, DirectSample& sample);
+
+// The density with which sample_direct picks wi from the reference point, given that a ray met area light `id` at `at`
+// (unit normal n), or escaped (environment lights). Per solid angle.
+float direct_pdf_area(const Lights& lights, LightId id, const Vec3& reference, const Vec3& wi, const Vec3& at,
+                      const Vec3& n);
+float direct_pdf_environment(const Lights& lights, LightId id, const Vec3& wi);
+
+// Emitted radiance of an area light at a point of its surface towards w (away from the surface).
+Spectrum emitted_area(const Lights& lights, const SpectrumPool& pool, LightId id, const Vec2& uv, const Vec3& n,
+                      const Vec3& w, const Wavelengths& wavelengths);
+// Radiance of an environment light that arrives along a ray of direction d (away from the scene).
+Spectrum emitted_environment(const Lights& lights, const SpectrumPool& pool, LightId id, const Vec3& d,
+                             const Wavelengths& wavelengths);
+
+// A particle leaving a light.
+struct EmissionSample {
+    Ray ray;                         // origin on the light (or on the scene's silhouette disc for far lights)
+    Vec3 error{0, 0, 0};             // error bound of the origin (area lights)
+    Vec3 normal{0, 0, 0};            // area lights
+    Spectrum flux;                   // Le cos / (pdf_position pdf_direction) [W], for this light chosen with certainty
+    float pdf_position = 0.0f;       // per area; 1 for point-like lights
+    float pdf_direction = 0.0f;      // per solid angle; 1 for distant lights
+    bool delta_position = false;     // point-like lights
+    bool delta_direction = false;    // distant lights
+};
+bool sample_emission(const Lights& lights, const SpectrumPool& pool, LightId id, const Vec2& u_position,
+                     const Vec2& u_direction, float time, const Wavelengths& wavelengths, EmissionSample& sample);
+
+// Total emitted power over all wavelengths as luminance-like scalar (Y-weighted W), to distribute samples and photons.
+float power(const Lights& lights, const SpectrumPool& pool, LightId id);
+
+}  // namespace dapple

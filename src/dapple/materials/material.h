@@ -1,0 +1,60 @@
+// Materials as the compiled world holds them, and how a Bsdf is made from one at a surface point.
+#pragma once
+
+#include "dapple/materials/bsdf.h"
+#include "dapple/materials/texture.h"
+
+#include <vector>
+
+namespace dapple {
+
+struct MaterialTag {};
+using MaterialId = Id<MaterialTag>;
+
+struct Material {
+    enum class Kind : uint8_t {
+        interface,
+        diffuse,
+        diffuse_transmission,
+        dielectric,
+        thin_dielectric,
+        conductor,
+        coated_diffuse,
+        coated_conductor,
+        mix,
+    };
+    Kind kind = Kind::diffuse;
+    bool remap_roughness = true;      // roughness -> alpha = sqrt(roughness), as pbrt does
+    bool conductor_from_reflectance = false;  // `reflectance` given in place of eta and k
+    uint8_t layer_max_depth = 10;
+    uint8_t layer_samples = 1;
+    SpectrumTextureId reflectance;    // diffuse kinds, coats, conductor (as reflectance)
+    SpectrumTextureId transmittance;  // diffuse_transmission
+    SpectrumTextureId eta;            // conductors (spectrum)
+    SpectrumTextureId k;
+    SpectrumValue dielectric_eta;     // dielectrics and coats: constant, or a table (dispersive)
+    FloatTextureId u_roughness, v_roughness;            // the only layer, or a conductor's base in a coated conductor
+    FloatTextureId coat_u_roughness, coat_v_roughness;  // coats
+    FloatTextureId thickness, g;      // coats
+    SpectrumTextureId albedo;         // coats: of the medium between the layers
+    float scale = 1.0f;               // diffuse_transmission
+    FloatTextureId displacement;      // bump map [m]
+    uint32_t normal_map = Id<int>::none_value;  // image index
+    MaterialId mix[2];
+    FloatTextureId mix_amount;        // share of mix[1]
+};
+
+struct Materials {
+    std::vector<Material> list;
+    Textures textures;
+};
+
+// The material met at a point: follows `mix`, choosing by a hash of the point, so that eye and light paths agree.
+MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfacePoint& at);
+
+// The Bsdf at a surface point; applies bump and normal maps to the frame. kept_lane: the lane at which a dispersive
+// index is taken (spectral model).
+Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,
+               const Wavelengths& wavelengths, int kept_lane);
+
+}  // namespace dapple

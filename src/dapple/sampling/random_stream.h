@@ -1,0 +1,110 @@
+// Random numbers as a pure function of (seed, stream, path index, dimension): any pixel or photon path can be replayed,
+// and nothing depends on threads. The first dimensions are points of an Owen-scrambled Sobol sequence in the path index
+// (padded 2D points, shuffled per dimension pair; Burley 2020, "Practical hash-based Owen scrambling"), so that
+// successive paths of one stream spread evenly; later dimensions are hashes.
+#pragma once
+
+#include "dapple/math/hash.h"
+#include "dapple/math/vec.h"
+
+namespace dapple {
+
+class RandomStream {
+public:
+    // stream: which sequence (a pixel, or a purpose such as "photons of set 3"); index: which point of it.
+    RandomStream(uint64_t seed, uint64_t stream, uint32_t index)
+        : key_(hash_words(seed, stream)), index_(index)
+    {
+    }
+
+    // The next number in [0, 1).
+    float next();
+    // The next pair in [0, 1)^2, well distributed as a pair.
+    Vec2 next_2d();
+    // The next number as an integer in [0, n), n > 0.
+    uint32_t next_index(uint32_t n);
+
+    uint32_t dimension() const { return dimension_; }
+
+private:
+    static constexpr uint32_t low_discrepancy_dimensions = 64;
+
+    uint64_t key_;
+    uint32_t index_;
+    uint32_t dimension_ = 0;
+};
+
+namespace detail {
+
+constexpr uint32_t reverse_bits(uint32_t x)
+{
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    return __builtin_bswap32(x);
+}
+
+// Owen scrambling of a bit-reversed word: each bit is flipped by a hash of the bits below it (Laine and Karras 2011
+// in the improved form of Burley 2020, listing 3's family of constants by N. Vegdahl).
+constexpr uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed)
+{
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+constexpr uint32_t owen_scramble(uint32_t x, uint32_t seed)
+{
+    return reverse_bits(owen_scramble_reversed(reverse_bits(x), seed));
+}
+
+// Second Sobol dimension (primitive polynomial x + 1): XOR of the direction numbers of the set bits.
+constexpr uint32_t sobol_second(uint32_t index)
+{
+    uint32_t result = 0;
+    for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
+        if (index & 1u) result ^= v;
+    return result;
+}
+
+constexpr float to_unit_float32(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+
+}  // namespace detail
+
+inline Vec2 RandomStream::next_2d()
+{
+    const uint64_t h = hash_words(key_, dimension_);
+    dimension_ += 2;
+    if (dimension_ > low_discrepancy_dimensions) {
+        const uint64_t bits = mix64(h ^ index_);
+        return {detail::to_unit_float32(static_cast<uint32_t>(bits)),
+                detail::to_unit_float32(static_cast<uint32_t>(bits >> 32))};
+    }
+    // Shuffling the index keeps pairs of dimensions independent; scrambling the points randomises each pair.
+    const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
+    const uint64_t scramble = mix64(h);
+    const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(scramble));
+    const uint32_t y = detail::owen_scramble(detail::sobol_second(shuffled), static_cast<uint32_t>(scramble >> 32));
+    return {detail::to_unit_float32(detail::reverse_bits(x)), detail::to_unit_float32(y)};
+}
+
+inline float RandomStream::next()
+{
+    const uint64_t h = hash_words(key_, dimension_);
+    dimension_ += 1;
+    if (dimension_ > low_discrepancy_dimensions)
+        return detail::to_unit_float32(static_cast<uint32_t>(mix64(h ^ index_)));
+    const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
+    const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(mix64(h)));
+    return detail::to_unit_float32(detail::reverse_bits(x));
+}
+
+inline uint32_t RandomStream::next_index(uint32_t n)
+{
+    return std::min(static_cast<uint32_t>(next() * static_cast<float>(n)), n - 1);
+}
+
+}  // namespace dapple
