@@ -1,6 +1,7 @@
 // Typed indices into flat arrays: a MaterialId cannot be mistaken for a LightId.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace dapple {

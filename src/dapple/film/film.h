@@ -10,6 +10,7 @@
 
 #include <array>
 #include <atomic>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,12 +28,19 @@ struct Guides {
 // The contributions of one eye path (or of all of a pixel's paths in a pass), as sensor RGB by class and group.
 class PixelSample {
 public:
+    // light_groups: how many the film has (FilmSettings::light_groups).
     explicit PixelSample(int light_groups) : group_rgb_(light_groups, Vec3(0)) {}
+    // Back to nothing, without freeing memory.
     void clear();
+    // Adds a contribution; one that is not finite is dropped, and counted when the film gets the sample.
     void add(const Vec3& sensor_rgb, PathClass path_class, LightGroup group)
     {
+        if (!is_finite(sensor_rgb)) {
+            ++dropped_;
+            return;
+        }
         class_rgb_[static_cast<int>(path_class)] += sensor_rgb;
-        if (!group_rgb_.empty()) group_rgb_[group.value] += sensor_rgb;
+        if (group.value < group_rgb_.size()) group_rgb_[group.value] += sensor_rgb;
     }
     Guides guides;
     float photon_density = 0.0f;  // photons per area at the first gather point [1/m^2]
@@ -40,23 +48,26 @@ public:
 
 private:
     friend class Film;
-    std::array<Vec3, path_class_count> class_rgb_{};
+    std::array<Vec3, path_class_count> class_rgb_ = {Vec3(0), Vec3(0), Vec3(0), Vec3(0), Vec3(0)};
     std::vector<Vec3> group_rgb_;
+    uint64_t dropped_ = 0;
 };
 
 struct FilmSettings {
     Int2 resolution{1280, 720};
-    Int2 crop_min{0, 0};           // pixel bounds that are rendered and written, half open
+    Int2 crop_min{0, 0};  // pixel bounds that are rendered and written, half open
     Int2 crop_max{1280, 720};
     Filter filter;
     Sensor sensor;
-    std::vector<std::string> light_groups;  // names; empty: no group layers
-    bool class_layers = true;      // direct, caustic, ...
-    bool guide_layers = true;      // Albedo, N, Z, P
-    bool photon_layers = false;    // photon density, radius
+    // Names of the light groups, by LightGroup::value: the first is that of the lights without a name and may be "".
+    // No names: no group layers.
+    std::vector<std::string> light_groups;
+    bool class_layers = true;    // direct, caustic, ...
+    bool guide_layers = true;    // Albedo, N, Z, P
+    bool photon_layers = false;  // photon density, radius
 };
 
-// Samples dropped because they were not finite, by cause.
+// Contributions dropped because they were not finite, or too large for the sums (1.8e13), by cause.
 struct Accidents {
     std::atomic<uint64_t> eye_sample{0};
     std::atomic<uint64_t> splat{0};
@@ -64,18 +75,22 @@ struct Accidents {
 
 class Film {
 public:
+    // Throws UserError for an empty crop window or one that leaves the raster, or two light groups of one name.
     explicit Film(FilmSettings settings);
     ~Film();
+    Film(const Film&) = delete;
+    Film& operator=(const Film&) = delete;
 
     const FilmSettings& settings() const { return settings_; }
     Int2 resolution() const { return settings_.resolution; }
 
     // Adds the mean of a pixel's eye samples in this pass. Called by one thread per pixel and pass.
-    // `sample` holds the sum over `samples` eye paths.
+    // `sample` holds the sum over `samples` eye paths. A pixel outside of the crop window is ignored.
     void add_pixel(Int2 pixel, const PixelSample& sample, int samples);
 
     // Adds a light path's contribution, already divided by the number of light paths of the pass, at a raster position;
-    // spread by the pixel filter. Thread-safe and order-independent.
+    // spread by the pixel filter. Thread-safe and order-independent. Positions outside of the raster by less than the
+    // filter's radius count too: without them the border pixels would come out too dark.
     void splat(const Vec2& raster, const Vec3& sensor_rgb, PathClass path_class, LightGroup group);
 
     // Call once after each pass.
@@ -83,10 +98,20 @@ public:
     uint32_t passes() const { return passes_; }
     const Accidents& accidents() const { return accidents_; }
 
-    // The image of the crop window so far. Layer names: see layer_names().
+    // The image of the crop window so far, three channels. Call it and layers() between passes only.
     Image beauty() const;
-    // All layers as one image, with OpenEXR channel names ("R", "Albedo.R", "N.X", "Z", "direct.R", ...).
+    // All layers as one image, with OpenEXR channel names ("R", "Albedo.R", "N.X", "Z", "direct.R", ...); see
+    // layers.md.
     Image layers(std::vector<std::string>& channel_names) const;
+
+    // Adds the passes of a film of the same settings: the result is that of one film that saw all passes, bit by bit.
+    // Throws UserError if the layers or the crop windows differ.
+    void merge(const Film& other);
+    // The exact sums, pass count and accidents as bytes (little endian), for checkpoints and for merging between
+    // machines. read_state replaces this film's sums; it throws UserError if the bytes are not a whole state of a film
+    // with these layers and this crop window.
+    void write_state(std::ostream& out) const;
+    void read_state(std::istream& in);
 
 private:
     struct Sums;
