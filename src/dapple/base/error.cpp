@@ -29,8 +29,8 @@ int edit_distance(std::string_view a, std::string_view b)
 std::string SourceLocation::to_string() const
 {
     std::string text = file;
-    if (line > 0) text += ":" + std::to_string(line);
-    if (line > 0 && column > 0) text += ":" + std::to_string(column);
+    if (line > 0) text.append(1, ':').append(std::to_string(line));
+    if (line > 0 && column > 0) text.append(1, ':').append(std::to_string(column));
     return text;
 }
 

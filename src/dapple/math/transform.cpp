@@ -3,6 +3,7 @@
 #include "dapple/base/assert.h"
 
 #include <Imath/ImathMatrix.h>
+#include <Imath/ImathMatrixAlgo.h>
 #include <Imath/ImathQuat.h>
 
 #include <cmath>
