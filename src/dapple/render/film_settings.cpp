@@ -1,0 +1,99 @@
+// The film of a scene description: resolution, crop, filter, sensor and layers.
+#include "dapple/render/film_settings.h"
+
+#include "dapple/base/error.h"
+#include "dapple/scene/names.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <string_view>
+
+namespace dapple {
+namespace {
+
+constexpr int largest_resolution = 65536;
+
+Filter make_filter(const scene::Filter& filter)
+{
+    static constexpr std::array kinds = {Filter::Kind::box, Filter::Kind::triangle, Filter::Kind::gaussian,
+                                         Filter::Kind::mitchell, Filter::Kind::sinc};
+    FilterShape shape;
+    shape.kind = kinds[static_cast<size_t>(filter.kind)];
+    shape.radius = filter.radius;
+    shape.sigma = filter.sigma;
+    shape.b = filter.b;
+    shape.c = filter.c;
+    shape.tau = filter.tau;
+    return Filter(shape);
+}
+
+// Reads `count` numbers separated by `separator`; false when the text is anything else.
+template <size_t count>
+bool read_numbers(const std::string& text, char separator, std::array<double, count>& numbers)
+{
+    std::istringstream in(text);
+    for (size_t i = 0; i < count; ++i) {
+        if (i > 0 && in.get() != separator) return false;
+        if (!(in >> numbers[i]) || !std::isfinite(numbers[i])) return false;
+    }
+    return in.peek() == std::istringstream::traits_type::eof();
+}
+
+// pbrt's rounding of crop windows: pixels from ceil(size * part) on, so that neighbouring windows never share a pixel.
+int crop_edge(double part, int size) { return std::clamp(static_cast<int>(std::ceil(size * part)), 0, size); }
+
+}  // namespace
+
+FilmSettings film_settings(const scene::Description& description, const World& world, bool photon_layers)
+{
+    const scene::Film& film = description.film;
+    FilmSettings settings;
+    settings.resolution = film.resolution;
+    settings.crop_min = film.crop_min;
+    settings.crop_max = film.crop_max;
+    settings.filter = make_filter(description.filter);
+    settings.sensor = make_sensor(film.sensor, std::string(scene::color_space_name(film.color_space)),
+                                  film.white_balance, film.imaging_ratio(description.camera));
+    if (world.light_group_names.size() > 1) settings.light_groups = world.light_group_names;
+    settings.photon_layers = photon_layers;
+    return settings;
+}
+
+void set_resolution(scene::Film& film, const std::string& text)
+{
+    std::array<double, 2> size{};
+    const bool valid = read_numbers(text, 'x', size) && std::floor(size[0]) == size[0] &&
+                       std::floor(size[1]) == size[1] && size[0] >= 1 && size[1] >= 1 &&
+                       size[0] <= largest_resolution && size[1] <= largest_resolution;
+    if (!valid) throw UserError("--resolution takes WIDTHxHEIGHT such as 640x480, not '" + text + "'");
+    const Int2 old = film.resolution;
+    film.resolution = Int2(static_cast<int>(size[0]), static_cast<int>(size[1]));
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto scaled = [&](int edge) {
+            return crop_edge(static_cast<double>(edge) / old[axis], film.resolution[axis]);
+        };
+        film.crop_min[axis] = std::min(scaled(film.crop_min[axis]), film.resolution[axis] - 1);
+        film.crop_max[axis] = std::max(scaled(film.crop_max[axis]), film.crop_min[axis] + 1);
+    }
+}
+
+void set_crop(scene::Film& film, const std::string& text)
+{
+    std::array<double, 4> edges{};
+    if (!read_numbers(text, ',', edges) || *std::min_element(edges.begin(), edges.end()) < 0)
+        throw UserError("--crop takes x0,x1,y0,y1 as parts of the image or as pixels, not '" + text + "'");
+    const bool parts = *std::max_element(edges.begin(), edges.end()) <= 1;
+    for (int axis = 0; axis < 2; ++axis) {
+        const int size = film.resolution[axis];
+        const auto edge = [&](double value) { return crop_edge(parts ? value : value / size, size); };
+        film.crop_min[axis] = edge(edges[static_cast<size_t>(2 * axis)]);
+        film.crop_max[axis] = edge(edges[static_cast<size_t>(2 * axis + 1)]);
+        if (film.crop_min[axis] >= film.crop_max[axis])
+            throw UserError("--crop " + text + " holds no pixel of an image of " + std::to_string(film.resolution[0]) +
+                            "x" + std::to_string(film.resolution[1]));
+    }
+}
+
+}  // namespace dapple

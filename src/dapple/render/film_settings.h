@@ -1,0 +1,23 @@
+// The film of a scene description: resolution, crop, filter, sensor and layers.
+#pragma once
+
+#include "dapple/film/film.h"
+#include "dapple/scene/description.h"
+#include "dapple/world/world.h"
+
+#include <string>
+
+namespace dapple {
+
+// What the film of this description is; light groups come from the compiled world. Throws UserError for an unknown
+// sensor.
+FilmSettings film_settings(const scene::Description& description, const World& world, bool photon_layers);
+
+// Changes the resolution ("640x480"); a crop window keeps its part of the image. Throws UserError.
+void set_resolution(scene::Film& film, const std::string& text);
+
+// Changes the crop window: "x0,x1,y0,y1", as parts of the image where all four are at most 1 (as pbrt's cropwindow),
+// else in pixels, half open. Throws UserError.
+void set_crop(scene::Film& film, const std::string& text);
+
+}  // namespace dapple

@@ -1,0 +1,217 @@
+// Passes, one after the other, with a second thread that watches the clock and the user.
+#include "dapple/render/render_job.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+namespace dapple {
+namespace {
+
+constexpr double copy_share = 0.02;  // largest part of the render time spent on copies of the image
+constexpr std::chrono::milliseconds tick{50};
+constexpr int ticks_per_update = 4;
+
+class Runner {
+public:
+    Runner(const RenderJob& job, const StopRequests& requests, Progress& progress)
+        : job_(job), requests_(requests), progress_(progress)
+    {
+    }
+
+    RenderResult run()
+    {
+        progress_.begin(job_.integrator_name, job_.integrator.report());
+        start_ = Clock::now();
+        {
+            const std::jthread watcher([this](const std::stop_token& token) { watch(token); });
+            run_passes();
+        }
+        finish();
+        progress_.end(state(), result_.reason);
+        return std::move(result_);
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+    void run_passes()
+    {
+        while (job_.stop.another(done(), elapsed(), times_.expected())) {
+            if (done() > 0 && requests_.count() > 0) break;
+            copy_if_due();
+            begin_pass();
+            try {
+                job_.integrator.render_pass(PassContext{job_.world, job_.seed, done(), statistics_, &cancel_},
+                                            job_.film);
+            } catch (const std::exception& error) {
+                if (done() == 0) throw;
+                result_.failed = true;
+                result_.reason = std::string("stopped by an error in a pass: ") + error.what();
+                return;
+            }
+            if (cancel_.load()) return;
+            end_pass();
+        }
+        result_.reason = requests_.count() > 0                                ? "stopped by request"
+                         : job_.stop.passes > 0 && done() >= job_.stop.passes ? "all passes done"
+                                                                              : "time is up";
+        whole_ = true;
+    }
+
+    // Copies the image of the completed passes where the running pass may be given up, or where it costs little.
+    void copy_if_due()
+    {
+        if (done() == 0 || copied_passes_ == done()) return;
+        const double now = elapsed();
+        const bool may_be_given_up = job_.stop.last_by_time(now, times_.expected());
+        if (!may_be_given_up && now - last_copy_ < copy_cost_ / copy_share) return;
+        copy_ = job_.film.layers(copy_channels_);
+        copied_passes_ = done();
+        last_copy_ = elapsed();
+        copy_cost_ = last_copy_ - now;
+    }
+
+    void begin_pass()
+    {
+        const std::lock_guard lock(mutex_);
+        pass_start_ = elapsed();
+        may_give_up_ = done() > 0 && copied_passes_ == done();
+    }
+
+    void end_pass()
+    {
+        job_.film.end_pass();
+        const std::lock_guard lock(mutex_);
+        times_.add(elapsed() - pass_start_);
+        done_ = job_.film.passes();
+        pass_start_ = elapsed();
+        may_give_up_ = false;
+    }
+
+    // The second thread: reports progress, and cancels the running pass when it must.
+    void watch(const std::stop_token& token)
+    {
+        std::mutex sleep_mutex;
+        std::unique_lock sleep(sleep_mutex);
+        std::condition_variable_any wake;
+        bool announced = false;
+        for (int ticks = 1; !token.stop_requested(); ++ticks) {
+            wake.wait_for(sleep, token, tick, [] { return false; });
+            const int asked = requests_.count();
+            if (asked == 1 && !announced) {
+                progress_.note("finishing this pass; press Ctrl-C again to stop at once");
+                announced = true;
+            }
+            if (asked > 1) cancel(Cause::user);
+            {
+                const std::lock_guard lock(mutex_);
+                if (may_give_up_ && job_.stop.overdue(elapsed())) cancel(Cause::time);
+            }
+            if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
+        }
+    }
+
+    enum class Cause { none, user, time };
+    void cancel(Cause cause)
+    {
+        Cause none = Cause::none;
+        cause_.compare_exchange_strong(none, cause);
+        cancel_.store(true);
+    }
+
+    ProgressState state()
+    {
+        const std::lock_guard lock(mutex_);
+        const double now = elapsed();
+        const double in_pass = now - pass_start_;
+        ProgressState state;
+        state.passes_done = done_;
+        state.passes_total = job_.stop.passes;
+        state.eye_paths = statistics_.eye_paths.load();
+        state.light_paths = statistics_.light_paths.load();
+        state.photons = statistics_.photons_stored.load();
+        state.elapsed = now;
+        state.remaining = job_.stop.remaining(done_, now, in_pass, times_.expected());
+        state.fraction = job_.stop.fraction(done_, now, in_pass, times_.expected());
+        state.stopping = requests_.count() > 0;
+        return state;
+    }
+
+    // Takes the image that may be shown; see the head of render_job.h.
+    void finish()
+    {
+        result_.seconds = elapsed();
+        if (whole_) {
+            if (done() == 1 && job_.stop.overdue(result_.seconds))
+                progress_.note("one pass of this scene takes longer than the time limit; it was finished");
+            result_.image = job_.film.layers(result_.channels);
+            result_.passes = done();
+        } else {
+            if (!result_.failed)
+                result_.reason = cause_.load() == Cause::time
+                                     ? "time is up, the last pass was given up"
+                                     : "stopped at once by request, the last pass was given up";
+            if (copied_passes_ > 0) {
+                result_.image = std::move(copy_);
+                result_.channels = std::move(copy_channels_);
+                result_.passes = copied_passes_;
+                result_.passes_lost = done() - copied_passes_;
+            } else {
+                take_incomplete();
+            }
+        }
+        result_.eye_paths = statistics_.eye_paths.load();
+        result_.light_paths = statistics_.light_paths.load();
+        result_.photons = statistics_.photons_stored.load();
+        result_.rays = statistics_.rays.load();
+    }
+
+    // Cancelled before there was any copy. The film holds `done` passes and a part of one more. Only when done is 0 is
+    // there no better image; a film after its first pass is always copied before the second (the cost is not known
+    // yet).
+    void take_incomplete()
+    {
+        job_.film.end_pass();
+        result_.image = job_.film.layers(result_.channels);
+        result_.incomplete = true;
+    }
+
+    uint32_t done() const { return done_; }
+
+    const RenderJob& job_;
+    const StopRequests& requests_;
+    Progress& progress_;
+    Statistics statistics_;
+    RenderResult result_;
+    Clock::time_point start_;
+    std::atomic<bool> cancel_{false};
+    std::atomic<Cause> cause_{Cause::none};
+    bool whole_ = false;
+
+    Image copy_;
+    std::vector<std::string> copy_channels_;
+    uint32_t copied_passes_ = 0;
+    double last_copy_ = 0;
+    double copy_cost_ = 0;
+
+    std::mutex mutex_;  // guards what the watcher reads: times_, done_, pass_start_, may_give_up_
+    PassTimes times_;
+    uint32_t done_ = 0;
+    double pass_start_ = 0;
+    bool may_give_up_ = false;
+};
+
+}  // namespace
+
+RenderResult run(const RenderJob& job, const StopRequests& requests, Progress& progress)
+{
+    return Runner(job, requests, progress).run();
+}
+
+}  // namespace dapple

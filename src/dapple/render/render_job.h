@@ -1,0 +1,67 @@
+// A render: passes of one integrator into one film until a stop rule or the user ends it.
+//
+// How a render is stopped. A pass adds to the film directly, so a pass that is cut short leaves the film with sums that
+// belong to no whole number of passes; such a film is never shown as if it were whole. Instead the job keeps a copy of
+// the image after a completed pass (floats, about a quarter of the film's memory). A copy is made before a pass that
+// may be given up for the time limit, and otherwise whenever copying has cost less than 2 % of the render time so far.
+// So:
+//   first request (Ctrl-C)   the running pass is finished, the image of all passes is returned;
+//   second request           the running pass is cancelled, the latest copy is returned, and what it lacks is said;
+//   time limit exceeded      a pass that goes on for more than 4 % beyond the limit is cancelled; the copy made before
+//   it
+//                            has everything;
+//   an error in a pass       as the second request, with `failed` set.
+// If there is no completed pass, the image is that of the cancelled first one: pixels not reached are black, light that
+// was splatted is a part of the whole, and `incomplete` is set for the header of the file and for the message.
+#pragma once
+
+#include "dapple/film/film.h"
+#include "dapple/image/image.h"
+#include "dapple/integrators/integrator.h"
+#include "dapple/render/progress.h"
+#include "dapple/render/stop_rule.h"
+#include "dapple/world/world.h"
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+namespace dapple {
+
+// Requests to stop, made from any thread or from a signal handler.
+class StopRequests {
+public:
+    void add() { count_.fetch_add(1, std::memory_order_relaxed); }
+    int count() const { return count_.load(std::memory_order_relaxed); }
+
+private:
+    std::atomic<int> count_{0};
+    static_assert(std::atomic<int>::is_always_lock_free);
+};
+
+struct RenderJob {
+    const World& world;
+    Integrator& integrator;
+    Film& film;
+    std::string integrator_name;
+    uint64_t seed = 0;
+    StopRule stop;
+};
+
+struct RenderResult {
+    Image image;                        // all layers, crop window
+    std::vector<std::string> channels;  // OpenEXR names of the image's channels
+    uint32_t passes = 0;                // completed passes in the image; 0 when incomplete
+    uint32_t passes_lost = 0;           // completed, but not in the image
+    double seconds = 0;                 // from the start of the first pass
+    std::string reason;                 // why the render ended, in words
+    bool incomplete = false;            // the image is that of a part of the first pass
+    bool failed = false;                // ended by an error inside of a pass
+    uint64_t eye_paths = 0, light_paths = 0, photons = 0, rays = 0;
+};
+
+// Runs the job on the calling thread (and on the threads of base/parallel.h). Errors of the very first pass are thrown
+// on; later ones end the render. The passes that are completed depend on the stop rule, their content on the job alone.
+RenderResult run(const RenderJob& job, const StopRequests& requests, Progress& progress);
+
+}  // namespace dapple

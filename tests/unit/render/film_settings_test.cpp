@@ -1,0 +1,71 @@
+// Resolution and crop window from the command line.
+#include "dapple/render/film_settings.h"
+
+#include "dapple/base/error.h"
+
+#include <gtest/gtest.h>
+
+namespace dapple {
+namespace {
+
+scene::Film film_of(int width, int height)
+{
+    scene::Film film;
+    film.resolution = film.crop_max = Int2(width, height);
+    return film;
+}
+
+TEST(Crop, TakesPartsAsPbrtDoes)
+{
+    scene::Film film = film_of(100, 50);
+    set_crop(film, "0.25,0.5,0,1");
+    EXPECT_EQ(film.crop_min, Int2(25, 0));
+    EXPECT_EQ(film.crop_max, Int2(50, 50));
+}
+
+TEST(Crop, NeighboursShareNoPixel)
+{
+    scene::Film left = film_of(101, 7), right = film_of(101, 7);
+    set_crop(left, "0,0.33,0,1");
+    set_crop(right, "0.33,1,0,1");
+    EXPECT_EQ(left.crop_max.x, right.crop_min.x);
+}
+
+TEST(Crop, TakesPixels)
+{
+    scene::Film film = film_of(100, 50);
+    set_crop(film, "10,20,0,2000");
+    EXPECT_EQ(film.crop_min, Int2(10, 0));
+    EXPECT_EQ(film.crop_max, Int2(20, 50));
+}
+
+TEST(Crop, RefusesWhatHoldsNoPixel)
+{
+    scene::Film film = film_of(100, 50);
+    for (const char* text :
+         {"", "1,2,3", "0.5,0.5,0,1", "20,10,0,5", "-1,5,0,5", "0,1,0,1,", "0 1 0 1", "a,b,c,d", "nan,1,0,1"})
+        EXPECT_THROW(set_crop(film, text), UserError) << "'" << text << "'";
+}
+
+TEST(Resolution, KeepsTheCroppedPart)
+{
+    scene::Film film = film_of(100, 50);
+    set_crop(film, "0.25,0.5,0,1");
+    set_resolution(film, "400x200");
+    EXPECT_EQ(film.resolution, Int2(400, 200));
+    EXPECT_EQ(film.crop_min, Int2(100, 0));
+    EXPECT_EQ(film.crop_max, Int2(200, 200));
+    set_resolution(film, "1x1");
+    EXPECT_EQ(film.crop_min, Int2(0, 0));
+    EXPECT_EQ(film.crop_max, Int2(1, 1));
+}
+
+TEST(Resolution, RefusesTheRest)
+{
+    scene::Film film = film_of(100, 50);
+    for (const char* text : {"", "100", "100x", "0x5", "-4x4", "1.5x2", "100x50x3", "99999999x1"})
+        EXPECT_THROW(set_resolution(film, text), UserError) << "'" << text << "'";
+}
+
+}  // namespace
+}  // namespace dapple

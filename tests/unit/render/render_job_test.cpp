@@ -1,0 +1,162 @@
+// The render job with integrators that only sleep and count: how it stops, and which image it returns.
+#include "dapple/render/render_job.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <stdexcept>
+#include <thread>
+
+namespace dapple {
+namespace {
+
+constexpr int image_size = 4;
+
+void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+
+// Adds `value(pass)` to every pixel, after `work`; leaves early without a trace in the lower half when cancelled.
+class FakeIntegrator final : public Integrator {
+public:
+    std::function<void(const PassContext&)> work = [](const PassContext&) {};
+
+    void render_pass(const PassContext& context, Film& film) override
+    {
+        for (int y = 0; y < image_size; ++y) {
+            if (y == image_size / 2) work(context);
+            if (context.cancelled()) return;
+            for (int x = 0; x < image_size; ++x) {
+                PixelSample sample(0);
+                sample.add(Vec3(static_cast<float>(context.pass + 1)), PathClass::direct, LightGroup(0u));
+                film.add_pixel(Int2(x, y), sample, 1);
+            }
+        }
+        ++context.statistics.eye_paths;
+    }
+};
+
+class RenderJobTest : public testing::Test {
+protected:
+    RenderJobTest() : film_(settings()), progress_(make_progress(ProgressKind::none)) {}
+
+    static FilmSettings settings()
+    {
+        FilmSettings made;
+        made.resolution = made.crop_max = Int2(image_size, image_size);
+        made.filter = Filter(FilterShape{Filter::Kind::box, Vec2(0.5f, 0.5f)});
+        return made;
+    }
+
+    RenderResult render(const StopRule& stop)
+    {
+        return run(RenderJob{world_, integrator_, film_, "fake", 0, stop}, requests_, *progress_);
+    }
+
+    // Waits inside of a pass until it is cancelled, for at most two seconds.
+    static void wait_for_cancel(const PassContext& context)
+    {
+        for (int i = 0; i < 400 && !context.cancelled(); ++i) sleep_ms(5);
+    }
+
+    World world_;
+    FakeIntegrator integrator_;
+    Film film_;
+    StopRequests requests_;
+    std::unique_ptr<Progress> progress_;
+};
+
+TEST_F(RenderJobTest, ReturnsTheMeanOfAllPasses)
+{
+    const RenderResult result = render(StopRule{3, 0});
+    EXPECT_EQ(result.passes, 3u);
+    EXPECT_EQ(result.eye_paths, 3u);
+    EXPECT_FALSE(result.incomplete);
+    EXPECT_EQ(result.reason, "all passes done");
+    EXPECT_FLOAT_EQ(result.image.at(0, 0, 0), 2.0f);
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 2.0f);
+}
+
+TEST_F(RenderJobTest, FirstRequestFinishesThePass)
+{
+    integrator_.work = [&](const PassContext& context) {
+        if (context.pass == 1) requests_.add();
+        sleep_ms(120);  // long enough for the watcher to see the request
+    };
+    const RenderResult result = render(StopRule{100, 0});
+    EXPECT_EQ(result.passes, 2u);
+    EXPECT_EQ(result.passes_lost, 0u);
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 1.5f);
+    EXPECT_EQ(result.reason, "stopped by request");
+}
+
+TEST_F(RenderJobTest, SecondRequestReturnsTheLastWholeImage)
+{
+    integrator_.work = [&](const PassContext& context) {
+        if (context.pass < 1) return;
+        requests_.add();
+        requests_.add();
+        wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{100, 0});
+    EXPECT_EQ(result.passes, 1u);
+    EXPECT_FALSE(result.incomplete);
+    for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(0, y, 0), 1.0f) << y;
+}
+
+TEST_F(RenderJobTest, CancelledFirstPassIsMarkedIncomplete)
+{
+    integrator_.work = [&](const PassContext& context) {
+        requests_.add();
+        requests_.add();
+        wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{100, 0});
+    EXPECT_TRUE(result.incomplete);
+    EXPECT_EQ(result.passes, 0u);
+    EXPECT_FLOAT_EQ(result.image.at(0, 0, 0), 1.0f);
+    EXPECT_FLOAT_EQ(result.image.at(0, 3, 0), 0.0f);
+}
+
+TEST_F(RenderJobTest, KeepsATimeLimit)
+{
+    integrator_.work = [](const PassContext&) { sleep_ms(10); };
+    const RenderResult result = render(StopRule{0, 0.5});
+    EXPECT_NEAR(result.seconds, 0.5, 0.025);
+    EXPECT_EQ(result.reason, "time is up");
+}
+
+TEST_F(RenderJobTest, GivesUpAPassThatOverruns)
+{
+    integrator_.work = [](const PassContext& context) {
+        if (context.pass < 4)
+            sleep_ms(80);
+        else
+            wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{0, 0.4});
+    EXPECT_EQ(result.passes, 4u);
+    EXPECT_EQ(result.passes_lost, 0u);
+    EXPECT_LT(result.seconds, 0.6);
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 2.5f);
+}
+
+TEST_F(RenderJobTest, LaterErrorKeepsTheImage)
+{
+    integrator_.work = [](const PassContext& context) {
+        if (context.pass == 1) throw std::runtime_error("out of luck");
+    };
+    const RenderResult result = render(StopRule{10, 0});
+    EXPECT_TRUE(result.failed);
+    EXPECT_EQ(result.passes, 1u);
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 1.0f);
+    EXPECT_NE(result.reason.find("out of luck"), std::string::npos);
+}
+
+TEST_F(RenderJobTest, ErrorInTheFirstPassIsThrownOn)
+{
+    integrator_.work = [](const PassContext&) { throw std::runtime_error("out of luck"); };
+    EXPECT_THROW(render(StopRule{10, 0}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace dapple
