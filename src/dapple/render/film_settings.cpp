@@ -46,7 +46,31 @@ int crop_edge(double part, int size) { return std::clamp(static_cast<int>(std::c
 
 }  // namespace
 
-FilmSettings film_settings(const scene::Description& description, const World& world, bool photon_layers)
+LayerChoice LayerChoice::parse(const std::string& text)
+{
+    static constexpr std::array<std::string_view, 6> words = {"all",     "beauty", "guides",
+                                                              "classes", "groups", "photons"};
+    LayerChoice choice{false, false, false, false};
+    std::istringstream in(text + ",");
+    for (std::string word; std::getline(in, word, ',');) {
+        if (word == "all") return {};
+        if (word == "guides")
+            choice.guides = true;
+        else if (word == "classes")
+            choice.classes = true;
+        else if (word == "groups")
+            choice.groups = true;
+        else if (word == "photons")
+            choice.photons = true;
+        else if (word != "beauty")
+            throw UserError("--layers takes all, or words of beauty,guides,classes,groups,photons, not '" + word + "'" +
+                            did_you_mean(word, words));
+    }
+    return choice;
+}
+
+FilmSettings film_settings(const scene::Description& description, const World& world, const LayerChoice& layers,
+                           bool has_photon_layers, ColorModel color_model)
 {
     const scene::Film& film = description.film;
     FilmSettings settings;
@@ -56,8 +80,11 @@ FilmSettings film_settings(const scene::Description& description, const World& w
     settings.filter = make_filter(description.filter);
     settings.sensor = make_sensor(film.sensor, std::string(scene::color_space_name(film.color_space)),
                                   film.white_balance, film.imaging_ratio(description.camera));
-    if (world.light_group_names.size() > 1) settings.light_groups = world.light_group_names;
-    settings.photon_layers = photon_layers;
+    settings.color_model = color_model;
+    if (layers.groups && world.light_group_names.size() > 1) settings.light_groups = world.light_group_names;
+    settings.class_layers = layers.classes;
+    settings.guide_layers = layers.guides;
+    settings.photon_layers = layers.photons && has_photon_layers;
     return settings;
 }
 

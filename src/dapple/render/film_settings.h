@@ -9,9 +9,21 @@
 
 namespace dapple {
 
-// What the film of this description is; light groups come from the compiled world. Throws UserError for an unknown
-// sensor.
-FilmSettings film_settings(const scene::Description& description, const World& world, bool photon_layers);
+// Which layers an image has besides the beauty.
+struct LayerChoice {
+    bool guides = true;   // Albedo, N, Z, P
+    bool classes = true;  // emission, direct, caustic, indirect, volume
+    bool groups = true;   // each light group, where the scene names any
+    bool photons = true;  // photon density and radius, where the integrator has them
+
+    // "all", or words of "beauty,guides,classes,groups,photons"; the beauty is always there. Throws UserError.
+    static LayerChoice parse(const std::string& text);
+};
+
+// What the film of this description is; light groups come from the compiled world, photon layers if the integrator has
+// them. Throws UserError for an unknown sensor.
+FilmSettings film_settings(const scene::Description& description, const World& world, const LayerChoice& layers,
+                           bool has_photon_layers, ColorModel color_model);
 
 // Changes the resolution ("640x480"); a crop window keeps its part of the image. Throws UserError.
 void set_resolution(scene::Film& film, const std::string& text);

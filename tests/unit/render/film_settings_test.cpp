@@ -67,5 +67,17 @@ TEST(Resolution, RefusesTheRest)
         EXPECT_THROW(set_resolution(film, text), UserError) << "'" << text << "'";
 }
 
+TEST(Layers, AreChosenByWord)
+{
+    const LayerChoice beauty = LayerChoice::parse("beauty");
+    EXPECT_FALSE(beauty.guides || beauty.classes || beauty.groups || beauty.photons);
+    const LayerChoice some = LayerChoice::parse("guides,groups");
+    EXPECT_TRUE(some.guides && some.groups && !some.classes && !some.photons);
+    const LayerChoice all = LayerChoice::parse("all");
+    EXPECT_TRUE(all.guides && all.classes && all.groups && all.photons);
+    EXPECT_THROW(LayerChoice::parse("guide"), UserError);
+    EXPECT_THROW(LayerChoice::parse(""), UserError);
+}
+
 }  // namespace
 }  // namespace dapple

@@ -1,0 +1,29 @@
+// The sub-commands of the program. Each adds itself to the parser and returns what runs when it was chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+namespace dapple::cli {
+
+// Exit statuses: 0 done; 1 the program failed, or a comparison did not hold; 2 the user's input cannot be used.
+inline constexpr int exit_failure = 1;
+inline constexpr int exit_bad_input = 2;
+
+struct Command {
+    CLI::App* parser = nullptr;
+    std::function<int()> run;  // returns the exit status; throws UserError for bad input
+};
+
+Command add_render(CLI::App& app, const std::string& command_line);
+Command add_inspect(CLI::App& app);
+Command add_compare(CLI::App& app);
+Command add_doctor(CLI::App& app);
+Command add_integrators(CLI::App& app);
+
+// "dapple 0.1.0 (commit abc1234, release)".
+std::string version_line();
+
+}  // namespace dapple::cli

@@ -1,0 +1,103 @@
+// The program `dapple`: picks the sub-command, turns every error into one line and an exit status.
+#include "build_info.h"
+#include "commands.h"
+#include "dapple/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string_view>
+
+namespace dapple::cli {
+namespace {
+
+constexpr const char* examples = R"(Examples:
+  dapple render scene.pbrt                        as the scene says, to an .exr in this folder
+  dapple render scene.pbrt -o out.exr -o out.png  both files at once
+  dapple render scene.pbrt -o quick.png --resolution 320x240 --time 20s
+  dapple render scene.pbrt -o c.exr --integrator photonmap -D photons=2M
+  dapple inspect scene.pbrt                       what is in it, and what is not supported
+  dapple compare a.exr b.exr --diff diff.png      how much two images differ
+  dapple integrators                              all algorithms and their settings
+  dapple doctor                                   does everything work here?
+
+`dapple COMMAND --help` tells more of each. Ctrl-C once: the pass is finished and the image written.)";
+
+constexpr std::array<std::string_view, 5> command_names = {"render", "inspect", "compare", "doctor", "integrators"};
+
+// One line, whatever the message holds.
+int report(const std::string& message, int status)
+{
+    std::string line = message;
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    fmt::print(stderr, "dapple: error: {}\n", line);
+    return status;
+}
+
+// CLI11 knows neither near words nor our exit status.
+int report_parse_error(const CLI::ParseError& error, int argc, char** argv)
+{
+    std::string message = error.what();
+    if (argc > 1 && argv[1][0] != '-' &&
+        std::find(command_names.begin(), command_names.end(), argv[1]) == command_names.end())
+        message = fmt::format("unknown command '{}'{}", argv[1], did_you_mean(argv[1], command_names));
+    return report(message + " (dapple --help shows how)", exit_bad_input);
+}
+
+std::string quoted(const std::string& argument)
+{
+    const bool plain = !argument.empty() && argument.find_first_of(" \t\"'\\$*?<>|&;()") == std::string::npos;
+    return plain ? argument : "'" + argument + "'";
+}
+
+int run(int argc, char** argv)
+{
+    std::string command_line = "dapple";
+    for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
+
+    CLI::App app("Dapple renders the light that path tracers cannot find: caustics, by photons.", "dapple");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", version_line());
+    app.footer(examples);
+    const std::array commands = {add_render(app, command_line), add_inspect(app), add_compare(app), add_doctor(app),
+                                 add_integrators(app)};
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        return report_parse_error(error, argc, argv);
+    }
+    for (const Command& command : commands)
+        if (command.parser->parsed()) return command.run();
+    return exit_bad_input;
+}
+
+}  // namespace
+
+std::string version_line()
+{
+    return fmt::format("dapple {} (commit {}, {})", build_info::version, build_info::commit, build_info::build_type);
+}
+
+}  // namespace dapple::cli
+
+int main(int argc, char** argv)
+{
+    using namespace dapple::cli;
+    try {
+        return run(argc, argv);
+    } catch (const dapple::UserError& error) {
+        return report(error.what(), exit_bad_input);
+    } catch (const std::bad_alloc&) {
+        return report("out of memory", exit_failure);
+    } catch (const std::exception& error) {
+        return report(std::string("internal: ") + error.what(), exit_failure);
+    }
+}

@@ -1,0 +1,22 @@
+// What a render will take, known before it starts.
+#pragma once
+
+#include "dapple/film/film.h"
+#include "dapple/render/scene_defaults.h"
+#include "dapple/world/compile.h"
+
+#include <cstdint>
+
+namespace dapple {
+
+// Bytes of the film's sums (128 bits per pixel and channel).
+uint64_t film_bytes(const FilmSettings& settings);
+
+// Bytes of geometry, accelerator, textures and media.
+uint64_t scene_bytes(const CompileReport& report);
+
+// Holds a render to a limit [bytes]; 0: none. Throws UserError, with the parts, if scene and film alone exceed it.
+// Otherwise what they leave goes to the integrator's setting "memory" if it has one that is still "auto".
+void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice);
+
+}  // namespace dapple
