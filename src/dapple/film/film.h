@@ -59,6 +59,7 @@ struct FilmSettings {
     Int2 crop_max{1280, 720};
     Filter filter;
     Sensor sensor;
+    ColorModel color_model = ColorModel::spectral;  // what integrators render in
     // Names of the light groups, by LightGroup::value: the first is that of the lights without a name and may be "".
     // No names: no group layers.
     std::vector<std::string> light_groups;
