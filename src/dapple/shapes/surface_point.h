@@ -8,14 +8,14 @@ namespace dapple {
 
 struct SurfacePoint {
     Vec3 position{0, 0, 0};
-    Vec3 error{0, 0, 0};      // absolute bound of the position's error per axis, for offset_ray_origin
+    Vec3 error{0, 0, 0};        // absolute bound of the position's error per axis, for offset_ray_origin
     Vec3 n_geometric{0, 0, 1};  // unit; points to the surface's outside (orientation of the shape, reversal applied)
     Vec3 n_shading{0, 0, 1};    // unit; same side as n_geometric
     Vec2 uv{0, 0};
-    Vec3 dpdu{1, 0, 0};       // geometric parametrisation
+    Vec3 dpdu{1, 0, 0};  // geometric parametrisation
     Vec3 dpdv{0, 1, 0};
     Vec3 dpdu_shading{1, 0, 0};  // tangent that orients anisotropic lobes; orthogonal to n_shading
-    Vec3 dndu{0, 0, 0};       // change of the shading normal
+    Vec3 dndu{0, 0, 0};          // change of the shading normal
     Vec3 dndv{0, 0, 0};
     float time = 0.0f;
 };

@@ -1,0 +1,28 @@
+// Differential geometry of triangles as meshes store them. The world calls this at every hit, so it takes plain values
+// and touches no tables.
+#pragma once
+
+#include "dapple/shapes/surface_point.h"
+
+namespace dapple {
+
+struct MeshTriangle {
+    Vec3 p[3];
+    Vec3 n[3];   // shading normals, in the space of p, negated already under ReverseOrientation; used when has_normals
+    Vec2 uv[3];  // used when has_uv, else (0,0), (1,0), (1,1) as in pbrt
+    bool has_normals = false;
+    bool has_uv = false;
+    bool flip = false;  // ReverseOrientation xor "the transform swaps handedness", see Primitive::flip
+};
+
+// The point with barycentric coordinates (b1, b2) of vertices 1 and 2, as Embree reports them.
+// n_geometric is cross(p1 - p0, p2 - p0) normalised, negated by flip; with shading normals it is turned to the side of
+// the interpolated one. dpdu and dpdv follow the uv; where these are degenerate they are an orthonormal tangent frame.
+// A triangle without area has some unit normal.
+SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time);
+
+// Absolute bound per axis of the height at which single-precision ray-triangle tests (Moeller and Trumbore 1997, as in
+// Embree) may still report a hit with this triangle for rays that leave one of its points: see mesh.cpp.
+Vec3 mesh_error_bound(const Vec3& p0, const Vec3& p1, const Vec3& p2);
+
+}  // namespace dapple

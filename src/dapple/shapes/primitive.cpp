@@ -1,0 +1,114 @@
+// Dispatch over the kinds of primitives, and the conversion of area densities to solid angle.
+#include "dapple/shapes/primitive.h"
+
+#include "dapple/shapes/primitive_kinds.h"
+
+namespace dapple {
+namespace {
+
+using Kind = Primitive::Kind;
+
+// Density per solid angle of a point sampled with density pdf per area: times distance^2 over cosine. 0 where the
+// surface is seen edge-on or the distance vanishes.
+float area_to_solid_angle(float pdf, const Vec3& reference, const Vec3& at, const Vec3& wi, const Vec3& n)
+{
+    const float density = pdf * length_squared(at - reference) / abs_dot(n, wi);
+    return std::isfinite(density) ? density : 0.0f;
+}
+
+}  // namespace
+
+Box3 bounds(const Primitive& primitive)
+{
+    if (primitive.kind != Kind::triangle && primitive.kind != Kind::bilinear) return detail::quadric_bounds(primitive);
+    Box3 box;
+    for (int i = 0; i < (primitive.kind == Kind::triangle ? 3 : 4); ++i) box.extendBy(primitive.p[i]);
+    // Interpolated positions may round beyond the vertices by one unit in the last place.
+    for (int axis = 0; axis < 3; ++axis) {
+        box.min[axis] = std::nextafter(box.min[axis], -infinity);
+        box.max[axis] = std::nextafter(box.max[axis], infinity);
+    }
+    return box;
+}
+
+float area(const Primitive& primitive)
+{
+    switch (primitive.kind) {
+        case Kind::triangle: return static_cast<float>(detail::triangle_area(primitive));
+        case Kind::bilinear: return static_cast<float>(detail::patch_area(primitive));
+        default: return static_cast<float>(detail::quadric_area(primitive));
+    }
+}
+
+bool intersect(const Primitive& primitive, const Ray& ray, float t_min, float t_max, PrimitiveHit& hit)
+{
+    switch (primitive.kind) {
+        case Kind::triangle: return false;
+        case Kind::bilinear: return detail::patch_intersect(primitive, ray, t_min, t_max, hit);
+        default: return detail::quadric_intersect(primitive, ray, t_min, t_max, hit);
+    }
+}
+
+SurfacePoint surface_point(const Primitive& primitive, const PrimitiveHit& hit, float time)
+{
+    switch (primitive.kind) {
+        case Kind::triangle: return detail::triangle_primitive_surface_point(primitive, hit.uv, time);
+        case Kind::bilinear: return detail::patch_surface_point(primitive, hit.uv, time);
+        default: return detail::quadric_surface_point(primitive, hit.uv, time);
+    }
+}
+
+SurfacePoint surface_point(const Primitive& primitive, const Ray& ray, const PrimitiveHit& hit)
+{
+    if (primitive.kind == Kind::triangle || primitive.kind == Kind::bilinear)
+        return surface_point(primitive, hit, ray.time);
+    const detail::Vec3d near =
+        detail::to_double(ray.origin) + detail::to_double(ray.direction) * static_cast<double>(hit.t);
+    return detail::quadric_surface_point_near(primitive, near, ray.time);
+}
+
+ShapeSample sample_area(const Primitive& primitive, const Vec2& u)
+{
+    switch (primitive.kind) {
+        case Kind::triangle: return detail::triangle_sample_area(primitive, u);
+        case Kind::bilinear: return detail::patch_sample_area(primitive, u);
+        default: return detail::quadric_sample_area(primitive, u);
+    }
+}
+
+float pdf_area(const Primitive& primitive, const Vec3& position)
+{
+    switch (primitive.kind) {
+        case Kind::triangle: {
+            const double total = detail::triangle_area(primitive);
+            return total > 0.0 ? static_cast<float>(1.0 / total) : 0.0f;
+        }
+        case Kind::bilinear: return detail::patch_pdf_area(primitive, position);
+        default: return detail::quadric_pdf_area(primitive, position);
+    }
+}
+
+bool sample_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec2& u, ShapeSample& sample)
+{
+    if (detail::is_whole_sphere(primitive)) return detail::sphere_sample_solid_angle(primitive, reference, u, sample);
+    if (primitive.kind == Kind::triangle) {
+        const double solid_angle = detail::triangle_sampled_solid_angle(primitive, reference);
+        if (solid_angle > 0.0) return detail::triangle_sample_solid_angle(primitive, reference, u, solid_angle, sample);
+    }
+    sample = sample_area(primitive, u);
+    const Vec3 wi = normalize(sample.position - reference);
+    sample.pdf = area_to_solid_angle(sample.pdf, reference, sample.position, wi, sample.normal);
+    return sample.pdf > 0.0f;
+}
+
+float pdf_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec3& wi, const Vec3& at, const Vec3& n)
+{
+    if (detail::is_whole_sphere(primitive)) return detail::sphere_pdf_solid_angle(primitive, reference, wi);
+    if (primitive.kind == Kind::triangle) {
+        const double solid_angle = detail::triangle_sampled_solid_angle(primitive, reference);
+        if (solid_angle > 0.0) return static_cast<float>(1.0 / solid_angle);
+    }
+    return area_to_solid_angle(pdf_area(primitive, at), reference, at, wi, n);
+}
+
+}  // namespace dapple
