@@ -42,7 +42,7 @@ write(
     "cie1931.inc",
     "CIE 1931 2-degree colour matching functions x, y, z, 360 to 830 nm in steps of 1 nm (ISO/CIE 11664-1), "
     f"as tabulated by the PyPI package colour-science {colour.__version__}.",
-    [f"{{{{{block(cmfs.values[:, i], 10)}}}}}," for i in range(3)],
+    [f"{{{block(cmfs.values[:, i], 10)}}}," for i in range(3)],
 )
 
 
@@ -79,6 +79,15 @@ write(
     f"{colour.__version__}, the D series above 780 nm from its basis functions S0, S1, S2. Beyond a table its ends "
     "continue.",
     illuminants,
+)
+
+
+basis = colour.colorimetry.SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES
+write(
+    "daylight.inc",
+    "Basis functions S0, S1, S2 of the CIE D series (ISO/CIE 11664-2), 360 to 830 nm in steps of 5 nm, as tabulated by "
+    f"the PyPI package colour-science {colour.__version__}.",
+    [f"{{{block(np.interp(grid, basis[k].wavelengths, basis[k].values), 7)}}}," for k in ("S0", "S1", "S2")],
 )
 
 

@@ -67,10 +67,7 @@ inline Spectrum safe_divide(const Spectrum& a, const Spectrum& b)
     return result;
 }
 inline Spectrum exp(const Spectrum& s) { return {std::exp(s[0]), std::exp(s[1]), std::exp(s[2]), std::exp(s[3])}; }
-inline Spectrum sqrt(const Spectrum& s)
-{
-    return {std::sqrt(s[0]), std::sqrt(s[1]), std::sqrt(s[2]), std::sqrt(s[3])};
-}
+inline Spectrum sqrt(const Spectrum& s) { return {std::sqrt(s[0]), std::sqrt(s[1]), std::sqrt(s[2]), std::sqrt(s[3])}; }
 inline Spectrum clamp_zero(const Spectrum& s)
 {
     return {std::max(0.0f, s[0]), std::max(0.0f, s[1]), std::max(0.0f, s[2]), std::max(0.0f, s[3])};

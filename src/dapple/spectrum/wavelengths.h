@@ -25,7 +25,7 @@ struct Wavelengths {
 };
 
 // Dispersion parts the lanes' ways. A path that meets it keeps one lane, chosen beforehand at random, times four, and
-// sets the others to zero (see transport/walk.h); Wavelengths itself never changes along a path, so that photons and eye
-// paths of one wavelength set can always be multiplied lane by lane.
+// sets the others to zero (see transport/walk.h); Wavelengths itself never changes along a path, so that photons and
+// eye paths of one wavelength set can always be multiplied lane by lane.
 
 }  // namespace dapple
