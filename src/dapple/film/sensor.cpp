@@ -141,7 +141,7 @@ Vec3 Sensor::to_rgb(const Spectrum& radiance, const Wavelengths& wavelengths) co
         sum += Vec3(response[0][index], response[1][index], response[2][index]) * weighted;
     }
     sum *= imaging_ratio / Spectrum::lanes;
-    return dapple::apply(rgb_from_response, sum);  // std::array would find std::apply
+    return multiply(rgb_from_response, sum);
 }
 
 }  // namespace dapple

@@ -149,7 +149,7 @@ TEST(Filter, SamplesInProportionToTheMagnitude)
         EXPECT_LT(chi_squared, quantile) << name(shape);
         // The mean weight is the filter's integral.
         EXPECT_NEAR(weight_sum / samples, 1.0,
-                    4.0 * std::sqrt(sqr(absolute[0] * absolute[1]) - 1.0 + 1e-8) / std::sqrt(samples))
+                    4.0 * std::sqrt(std::max(0.0, sqr(absolute[0] * absolute[1]) - 1.0) + 1e-8) / std::sqrt(samples))
             << name(shape);
     }
 }
