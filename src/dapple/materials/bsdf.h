@@ -16,8 +16,8 @@ namespace dapple {
 enum class TransportMode : uint8_t { radiance, importance };
 
 enum class BsdfKind : uint8_t {
-    none,        // absorbs everything
-    interface,   // no scattering: light passes straight on (a medium boundary); the walk skips it
+    none,       // absorbs everything
+    interface,  // no scattering: light passes straight on (a medium boundary); the walk skips it
     diffuse,
     diffuse_transmission,
     dielectric,  // smooth (delta) or rough
@@ -36,19 +36,20 @@ struct Roughness {
 
 struct Bsdf {
     BsdfKind kind = BsdfKind::none;
-    bool dispersive = false;     // eta was taken at the path's kept lane: only that lane is valid
-    uint8_t layer_max_depth = 10;   // layered kinds: scattering events of the random walk
+    bool dispersive = false;       // eta was taken at the path's kept lane: only that lane is valid
+    uint8_t layer_max_depth = 10;  // layered kinds: scattering events of the random walk
     uint8_t layer_samples = 1;
-    Frame frame;                 // shading frame, n on the outside
+    uint32_t layer_seed = 0;  // layered kinds: parts the random walks of different points
+    Frame frame;              // shading frame, n on the outside
     Vec3 n_geometric{0, 0, 1};
-    Spectrum a;                  // reflectance; conductor: eta
-    Spectrum b;                  // transmittance; conductor: k
-    Spectrum layer_albedo;       // layered kinds: albedo of the medium between the layers
-    float eta = 1.0f;            // dielectric: index inside over index outside
+    Spectrum a;             // reflectance; conductor: eta (of a coated one: over the coat's index)
+    Spectrum b;             // transmittance; conductor: k (likewise)
+    Spectrum layer_albedo;  // layered kinds: albedo of the medium between the layers
+    float eta = 1.0f;       // dielectric: index inside over index outside
     float layer_thickness = 0.01f;
     float layer_g = 0.0f;
-    Roughness roughness;         // of the only layer or of the coat
-    Roughness base_roughness;    // of a coated conductor's base
+    Roughness roughness;       // of the only layer or of the coat
+    Roughness base_roughness;  // of a coated conductor's base
 
     // Every lobe is a delta: nothing to evaluate, connect to, or store a photon at.
     bool is_delta() const;
@@ -57,18 +58,20 @@ struct Bsdf {
 
 struct BsdfSample {
     Vec3 wi{0, 0, 1};
-    Spectrum weight;             // f |wi.ns| / density: what the throughput is multiplied by
-    float pdf = 0.0f;            // density per solid angle to use in MIS; 0 for a delta lobe
+    Spectrum weight;   // f |wi.ns| / density: what the throughput is multiplied by (layered kinds: of one walk)
+    float pdf = 0.0f;  // density per solid angle to use in MIS; 0 for a delta lobe
     bool delta = false;
     bool transmission = false;
-    float eta = 1.0f;            // index on the side of wi over index on the side of wo (1 for reflection)
+    float eta = 1.0f;  // index on the side of wi over index on the side of wo (1 for reflection)
 };
 
-// f(wo, wi) [1/sr], without cosine, adjoint factors applied. Zero for delta lobes.
+// f(wo, wi) [1/sr], without cosine, adjoint factors applied. Zero for delta lobes. For the layered kinds it is an
+// unbiased estimate (see layered.h): a fixed function of the Bsdf and both directions that is right on average over
+// directions and points.
 Spectrum evaluate(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
 
 // Density per solid angle with which sample_bsdf(wo) chooses wi. Zero for delta lobes. For the layered kinds it is an
-// estimate (see layered.cpp), fit for MIS weights, and sample_bsdf reports the same function of (wo, wi).
+// estimate (see layered.h), fit for MIS weights, and sample_bsdf reports the same function of (wo, wi).
 float pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
 
 // Samples wi given wo from u_lobe and u in [0,1). False when the light is absorbed.

@@ -11,6 +11,7 @@ namespace dapple {
 struct MaterialTag {};
 using MaterialId = Id<MaterialTag>;
 
+// Texture ids that are not valid count as 0; a second roughness that is not, as the first. Defaults are the reader's.
 struct Material {
     enum class Kind : uint8_t {
         interface,
@@ -24,7 +25,7 @@ struct Material {
         mix,
     };
     Kind kind = Kind::diffuse;
-    bool remap_roughness = true;      // roughness -> alpha = sqrt(roughness), as pbrt does
+    bool remap_roughness = true;              // roughness -> alpha = sqrt(roughness), as pbrt does
     bool conductor_from_reflectance = false;  // `reflectance` given in place of eta and k
     uint8_t layer_max_depth = 10;
     uint8_t layer_samples = 1;
@@ -32,16 +33,16 @@ struct Material {
     SpectrumTextureId transmittance;  // diffuse_transmission
     SpectrumTextureId eta;            // conductors (spectrum)
     SpectrumTextureId k;
-    SpectrumValue dielectric_eta;     // dielectrics and coats: constant, or a table (dispersive)
+    SpectrumValue dielectric_eta;                       // dielectrics and coats: constant, or a table (dispersive)
     FloatTextureId u_roughness, v_roughness;            // the only layer, or a conductor's base in a coated conductor
     FloatTextureId coat_u_roughness, coat_v_roughness;  // coats
-    FloatTextureId thickness, g;      // coats
-    SpectrumTextureId albedo;         // coats: of the medium between the layers
-    float scale = 1.0f;               // diffuse_transmission
-    FloatTextureId displacement;      // bump map [m]
-    uint32_t normal_map = Id<int>::none_value;  // image index
+    FloatTextureId thickness, g;                        // coats
+    SpectrumTextureId albedo;                           // coats: of the medium between the layers
+    float scale = 1.0f;                                 // diffuse_transmission
+    FloatTextureId displacement;                        // bump map [m]
+    uint32_t normal_map = Id<int>::none_value;          // image index
     MaterialId mix[2];
-    FloatTextureId mix_amount;        // share of mix[1]
+    FloatTextureId mix_amount;  // share of mix[1]
 };
 
 struct Materials {
