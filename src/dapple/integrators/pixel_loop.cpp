@@ -1,0 +1,33 @@
+#include "dapple/integrators/pixel_loop.h"
+
+namespace dapple {
+namespace {
+
+float depth_along_axis(const Camera& camera, const Vec3& p, float time)
+{
+    const Transform transform = camera.world_from_camera.at(time);
+    return Transform::apply_point(transform.inverse_matrix(), p).z;
+}
+
+}  // namespace
+
+void GuideRecorder::see(const Vertex& vertex)
+{
+    if (has_color_ || !vertex.on_surface) return;
+    Guides& guides = sample_.sums.guides;
+    if (!has_geometry_) {
+        has_geometry_ = true;
+        guides.position = vertex.at.position;
+        guides.depth = depth_along_axis(world_.camera, vertex.at.position, vertex.at.time);
+    }
+    if (vertex.is_delta()) return;
+    has_color_ = true;
+    guides.normal = vertex.bsdf.frame.n;
+    // Once more in the rgb model: a guide must not carry colour noise.
+    const MaterialId material = resolve_mix(world_.materials, world_.geometries[vertex.geometry].material, vertex.at);
+    const Bsdf bsdf = make_bsdf(world_.materials, world_.spectra, material, vertex.at, Wavelengths::rgb(), 0);
+    const Spectrum albedo = guide_albedo(bsdf, vertex.wo);
+    guides.albedo = Vec3(albedo[0], albedo[1], albedo[2]);
+}
+
+}  // namespace dapple

@@ -1,0 +1,84 @@
+// What all eye passes share: pixels in tiles, a random stream and wavelengths per sample, sums into the film.
+#pragma once
+
+#include "dapple/base/parallel.h"
+#include "dapple/integrators/integrator.h"
+#include "dapple/transport/walk.h"
+
+namespace dapple {
+
+// Random streams are told apart by purpose, so that no two parts of a program share numbers.
+enum class StreamPurpose : uint64_t { pixel = 1, photon = 2, wavelength_set = 3, splat = 4 };
+
+inline RandomStream pixel_stream(uint64_t seed, Int2 pixel, uint32_t sample)
+{
+    const uint64_t id = (uint64_t(uint32_t(pixel.y)) << 32) | uint32_t(pixel.x);
+    return RandomStream(seed, hash_words(static_cast<uint64_t>(StreamPurpose::pixel), id), sample);
+}
+
+inline Wavelengths choose_wavelengths(ColorModel model, float u)
+{
+    return model == ColorModel::rgb ? Wavelengths::rgb() : Wavelengths::sample_visible(u);
+}
+
+// One eye sample of a pixel: everything that its contributions need on their way to the film.
+struct EyeSample {
+    Int2 pixel;
+    Vec2 raster;
+    Wavelengths wavelengths;
+    const Sensor& sensor;
+    float filter_weight;
+    PixelSample& sums;
+    RandomStream& random;
+
+    void add(const Spectrum& radiance, PathClass path_class, LightGroup group) const
+    {
+        sums.add(sensor.to_rgb(radiance, wavelengths) * filter_weight, path_class, group);
+    }
+};
+
+// Calls trace(EyeSample&) once for every pixel of the film's crop window, in parallel; wavelengths(pixel, random) chooses
+// the sample's wavelengths.
+template <class ChooseWavelengths, class Trace>
+void for_each_pixel(const PassContext& context, Film& film, const ChooseWavelengths& wavelengths, const Trace& trace)
+{
+    constexpr int tile = 16;
+    const FilmSettings& settings = film.settings();
+    const Int2 size = settings.crop_max - settings.crop_min;
+    const Int2 tiles((size.x + tile - 1) / tile, (size.y + tile - 1) / tile);
+    const int groups = static_cast<int>(settings.light_groups.size());
+    parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) {
+        if (context.cancelled()) return;
+        PixelSample sums(groups);
+        const Int2 corner = settings.crop_min + Int2(int(index % tiles.x) * tile, int(index / tiles.x) * tile);
+        for (int y = corner.y; y < std::min(corner.y + tile, settings.crop_max.y); ++y)
+            for (int x = corner.x; x < std::min(corner.x + tile, settings.crop_max.x); ++x) {
+                const Int2 pixel(x, y);
+                RandomStream random = pixel_stream(context.seed, pixel, context.pass);
+                const Filter::Sample offset = settings.filter.sample(random.next_2d());
+                sums.clear();
+                EyeSample sample{pixel,         Vec2(x + 0.5f, y + 0.5f) + offset.offset,
+                                 wavelengths(pixel, random), settings.sensor,
+                                 offset.weight, sums,
+                                 random};
+                trace(sample);
+                film.add_pixel(pixel, sums, 1);
+            }
+    });
+    context.statistics.eye_paths += uint64_t(size.x) * uint64_t(size.y);
+}
+
+// Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no delta.
+class GuideRecorder {
+public:
+    GuideRecorder(const World& world, EyeSample& sample) : world_(world), sample_(sample) {}
+    void see(const Vertex& vertex);
+
+private:
+    const World& world_;
+    EyeSample& sample_;
+    bool has_geometry_ = false;
+    bool has_color_ = false;
+};
+
+}  // namespace dapple

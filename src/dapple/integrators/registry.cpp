@@ -1,0 +1,25 @@
+#include "dapple/integrators/registry.h"
+
+#include "dapple/base/error.h"
+
+#include <vector>
+
+namespace dapple {
+
+std::span<const IntegratorEntry> integrator_registry()
+{
+    static const std::vector<IntegratorEntry> entries = {path_tracing_entry, light_tracing_entry, photon_mapping_entry};
+    return entries;
+}
+
+const IntegratorEntry& find_integrator(std::string_view name)
+{
+    std::vector<std::string_view> names;
+    for (const IntegratorEntry& entry : integrator_registry()) {
+        if (entry.name == name) return entry;
+        names.push_back(entry.name);
+    }
+    throw UserError("unknown integrator '" + std::string(name) + "'" + did_you_mean(name, names));
+}
+
+}  // namespace dapple

@@ -1,0 +1,16 @@
+// Light paths start here: a light is chosen by power, a particle leaves it with its exact share of the flux.
+// Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapter 5; Veach 1997, section 8.3 for measures.
+#pragma once
+
+#include "dapple/transport/walk.h"
+
+namespace dapple {
+
+// A particle from a light chosen with World::light_choice. Its source() is the flux of all lights it stands for [W]:
+// the mean over particles of source() is the total emitted power. False when the chosen light emits nothing this way.
+bool emit(const World& world, const Wavelengths& wavelengths, RandomStream& random, Walk& walk);
+
+// A particle from the given light; source() is then that light's flux alone.
+bool emit_from(const World& world, LightId light, const Wavelengths& wavelengths, RandomStream& random, Walk& walk);
+
+}  // namespace dapple

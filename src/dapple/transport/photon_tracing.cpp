@@ -1,0 +1,45 @@
+#include "dapple/transport/photon_tracing.h"
+
+#include "dapple/base/parallel.h"
+#include "dapple/transport/emission.h"
+
+namespace dapple {
+namespace {
+
+constexpr int64_t chunk_paths = 4096;
+
+void trace_one(const World& world, const PhotonRequest& request, int64_t index, std::vector<Photon>& out)
+{
+    RandomStream random(request.seed, request.stream, static_cast<uint32_t>(index));
+    Walk walk;
+    if (!emit(world, request.wavelengths, random, walk)) return;
+    while (const Vertex* vertex = walk.next(world, random)) {
+        if (vertex->on_surface && !vertex->is_delta()) {
+            PathEvents events = walk.events();
+            events.add_surface(false);
+            const PathClass path_class = classify({}, events);
+            if (!request.caustic_only || path_class == PathClass::caustic)
+                out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
+                               walk.arriving(), static_cast<uint8_t>(walk.light_group.value),
+                               static_cast<uint8_t>(path_class)});
+            if (request.caustic_only) return;
+        }
+        if (walk.depth() >= request.max_depth || !walk.survive_roulette(random)) return;
+    }
+}
+
+}  // namespace
+
+std::vector<std::vector<Photon>> trace_photons(const World& world, const PhotonRequest& request)
+{
+    const int64_t chunks = (request.paths + chunk_paths - 1) / chunk_paths;
+    std::vector<std::vector<Photon>> batches(static_cast<size_t>(chunks));
+    parallel_for_ranges(request.paths, chunk_paths, [&](int64_t begin, int64_t end) {
+        if (request.cancel && request.cancel->load(std::memory_order_relaxed)) return;
+        std::vector<Photon>& batch = batches[static_cast<size_t>(begin / chunk_paths)];
+        for (int64_t i = begin; i < end; ++i) trace_one(world, request, i, batch);
+    });
+    return batches;
+}
+
+}  // namespace dapple

@@ -1,0 +1,110 @@
+#include "dapple/world/world.h"
+
+#include "dapple/math/hash.h"
+#include "dapple/shapes/mesh.h"
+#include "dapple/world/accelerator.h"
+
+namespace dapple {
+namespace {
+
+// Whether an alpha cut-out lets the ray pass at this point: a choice made by a hash of the ray and the hit, so that it is
+// the same on every thread and differs between rays.
+bool passes_cutout(const World& world, const Geometry& geometry, const Ray& ray, const SurfacePoint& at)
+{
+    if (!geometry.alpha.valid()) return false;
+    const float opacity = evaluate(world.materials.textures, geometry.alpha, at);
+    if (opacity >= 1.0f) return false;
+    if (opacity <= 0.0f) return true;
+    const uint64_t h = hash_words(float_bits(ray.direction.x), float_bits(ray.direction.y), float_bits(ray.direction.z),
+                                  float_bits(at.position.x), float_bits(at.position.y), float_bits(at.position.z));
+    return to_unit_float(h) > opacity;
+}
+
+// A primitive of a group, where an instance places it.
+Primitive placed_primitive(Primitive primitive, const Transform& place)
+{
+    primitive.world_from_object = place * primitive.world_from_object;
+    primitive.flip = primitive.flip != place.swaps_handedness();
+    for (int corner = 0; corner < 4; ++corner) {
+        primitive.p[corner] = place.point(primitive.p[corner]);
+        if (primitive.has_normals) primitive.n[corner] = normalize(place.normal(primitive.n[corner]));
+    }
+    return primitive;
+}
+
+}  // namespace
+
+World::World() = default;
+World::~World() = default;
+
+bool World::intersect(const Ray& ray, float t_max, Hit& hit) const
+{
+    if (!accelerator->intersect(ray, t_max, hit)) return false;
+    if (!has_alpha) return true;
+    Ray rest = ray;
+    float travelled = 0.0f;
+    for (;;) {
+        const SurfacePoint at = surface_point(rest, hit);
+        if (!passes_cutout(*this, geometries[hit.geometry], ray, at)) {
+            hit.t += travelled;
+            return true;
+        }
+        const Vec3 origin = offset_ray_origin(at.position, at.error, at.n_geometric, ray.direction);
+        travelled = dot(origin - ray.origin, ray.direction) / length_squared(ray.direction);
+        rest.origin = origin;
+        if (!(t_max > travelled) || !accelerator->intersect(rest, t_max - travelled, hit)) return false;
+    }
+}
+
+bool World::occluded(const Ray& ray, float t_max) const
+{
+    if (!has_alpha) return accelerator->occluded(ray, t_max);
+    Hit hit;
+    return intersect(ray, t_max, hit);
+}
+
+SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
+{
+    const Geometry& geometry = geometries[hit.geometry];
+    const bool placed = hit.instance != Hit::no_instance;
+    if (!geometry.is_mesh) {
+        const Primitive& primitive = primitives[geometry.first_primitive + hit.primitive];
+        const PrimitiveHit primitive_hit{hit.t, hit.uv};
+        if (!placed) return dapple::surface_point(primitive, primitive_hit, ray.time);
+        return dapple::surface_point(
+            placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)), primitive_hit, ray.time);
+    }
+    const Mesh& mesh = meshes[geometry.mesh];
+    const uint32_t* index = &mesh.indices[size_t(hit.primitive) * 3];
+    MeshTriangle triangle;
+    triangle.flip = geometry.flip;
+    triangle.has_normals = !mesh.normals.empty();
+    triangle.has_uv = !mesh.uvs.empty();
+    for (int corner = 0; corner < 3; ++corner) {
+        triangle.p[corner] = mesh.positions[index[corner]];
+        if (triangle.has_normals) triangle.n[corner] = mesh.normals[index[corner]];
+        if (triangle.has_uv) triangle.uv[corner] = mesh.uvs[index[corner]];
+    }
+    if (!placed) return mesh_surface_point(triangle, hit.uv, ray.time);
+
+    const Transform place = instances[hit.instance].world_from_group.at(ray.time);
+    triangle.flip = triangle.flip != place.swaps_handedness();
+    Vec3 group_size(0);  // Embree intersects in the group's space: its rounding counts too
+    for (int corner = 0; corner < 3; ++corner) {
+        for (int axis = 0; axis < 3; ++axis)
+            group_size[axis] = std::max(group_size[axis], std::fabs(triangle.p[corner][axis]));
+        triangle.p[corner] = place.point(triangle.p[corner]);
+        if (triangle.has_normals) triangle.n[corner] = normalize(place.normal(triangle.n[corner]));
+    }
+    SurfacePoint at = mesh_surface_point(triangle, hit.uv, ray.time);
+    const auto& m = place.matrix().m;
+    for (int axis = 0; axis < 3; ++axis) {
+        // Rounding of the instance transform itself, in both directions.
+        float magnitude = std::fabs(at.position[axis]) + static_cast<float>(std::fabs(m[axis][3]));
+        for (int k = 0; k < 3; ++k) magnitude += static_cast<float>(std::fabs(m[axis][k])) * group_size[k];
+        at.error[axis] += magnitude * 1e-6f;
+    }
+    return at;
+}
+
+}  // namespace dapple
