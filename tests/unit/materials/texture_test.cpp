@@ -104,7 +104,9 @@ TEST(Texture, CheckerboardsInTwoAndThreeDimensions)
     textures.floats[2].mapping.su = textures.floats[2].mapping.sv = 4.0f;
     textures.floats[3].checkerboard_dimensions = 3;
     textures.floats[3].mapping.texture_from_world = scaling({2, 2, 2});
-    const auto flat = [&](float u, float v) { return evaluate(textures, FloatTextureId(2), point_at(Vec3(0.0f), {u, v})); };
+    const auto flat = [&](float u, float v) {
+        return evaluate(textures, FloatTextureId(2), point_at(Vec3(0.0f), {u, v}));
+    };
     EXPECT_EQ(flat(0.1f, 0.1f), 1.0f);
     EXPECT_EQ(flat(0.3f, 0.1f), 2.0f);
     EXPECT_EQ(flat(0.3f, 0.3f), 1.0f);
