@@ -12,7 +12,7 @@ import pathlib
 import re
 import sys
 
-INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 SOURCES = (".h", ".cpp")
 # Library header prefix -> the rooms that may include it. Imath and fmt are part of public headers.
 HIDDEN = {

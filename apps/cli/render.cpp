@@ -12,7 +12,6 @@
 #include "dapple/render/progress.h"
 #include "dapple/render/render_job.h"
 #include "dapple/render/scene_defaults.h"
-#include "dapple/world/compile.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,169 @@
+"""The command line as people and programs meet it: exit statuses, one-line errors, progress, Ctrl-C, crop, files."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+SCENE = str(pathlib.Path(__file__).resolve().parent / "ball.pbrt")
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def dapple(self, *arguments, status=0):
+        result = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
+                                stdin=subprocess.DEVNULL, timeout=120)
+        self.assertEqual(result.returncode, status, f"{arguments}: {result.stdout}{result.stderr}")
+        return result
+
+    def header(self, name, attribute):
+        listing = subprocess.run(["oiiotool", "--info", "-v", self.folder / name], capture_output=True, text=True).stdout
+        for line in listing.splitlines():
+            key, _, value = line.strip().partition(": ")
+            if key == attribute:
+                return value.strip('"')
+        return None
+
+    def bad_input(self, *arguments, saying):
+        result = self.dapple(*arguments, status=2)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("dapple: error: "), lines[0])
+        self.assertIn(saying, lines[0])
+
+    def test_bad_input_is_one_line_and_status_2(self):
+        self.bad_input(saying="subcommand")
+        self.bad_input("rendr", SCENE, saying="did you mean 'render'")
+        self.bad_input("render", saying="scene")
+        self.bad_input("render", "missing.pbrt", saying="missing.pbrt")
+        self.bad_input("render", self.folder, saying="")
+        self.bad_input("render", SCENE, "--integrator", "pathh", saying="did you mean 'path'")
+        self.bad_input("render", SCENE, "-i", "path", "-D", "maxdeth=3", saying="did you mean 'maxdepth'")
+        self.bad_input("render", SCENE, "-i", "path", "-D", "maxdepth=many", saying="maxdepth")
+        self.bad_input("render", SCENE, "-D", "maxdepth", saying="name=value")
+        self.bad_input("render", SCENE, "-o", "a.jpeg", saying="a.jpeg")
+        self.bad_input("render", SCENE, "-o", "missing/a.exr", saying="missing")
+        self.bad_input("render", SCENE, "--time", "soon", saying="--time")
+        self.bad_input("render", SCENE, "--passes", "0", saying="--passes")
+        self.bad_input("render", SCENE, "--passes", "-3", saying="passes")
+        self.bad_input("render", SCENE, "--crop", "0.5,0.5,0,1", saying="--crop")
+        self.bad_input("render", SCENE, "--resolution", "0x4", saying="--resolution")
+        self.bad_input("render", SCENE, "--memory", "1k", saying="--memory")
+        self.bad_input("render", SCENE, "--threads", "0", saying="--threads")
+        self.bad_input("render", SCENE, "--layers", "beuty", saying="did you mean 'beauty'")
+        self.bad_input("render", SCENE, "--color-model", "cmyk", saying="color-model")
+        self.bad_input("render", SCENE, "--progress", "loud", saying="progress")
+        self.bad_input("render", SCENE, "--no-such-option", saying="no-such-option")
+        self.bad_input("inspect", "missing.pbrt", saying="missing.pbrt")
+        self.bad_input("compare", "a.exr", "b.exr", saying="a.exr")
+        self.bad_input("integrators", "pathh", saying="did you mean 'path'")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_help_teaches(self):
+        for arguments in ([], ["render"], ["compare"]):
+            self.assertIn("Examples:", self.dapple(*arguments, "--help").stdout)
+        self.assertRegex(self.dapple("--version").stdout, r"^dapple \d+\.\d+\.\d+ \(commit ")
+
+    def test_scene_defaults(self):
+        self.dapple("render", SCENE, "--quiet")
+        self.assertEqual(self.header("ball.exr", "dapple:passes"), "4")
+        self.assertEqual(self.header("ball.exr", "dapple:integrator"), "path")
+
+    def test_quiet_says_nothing(self):
+        result = self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "a.png")
+        self.assertEqual(result.stdout + result.stderr, "")
+
+    def test_header_tells_how(self):
+        self.dapple("render", SCENE, "--quiet", "--passes", 2, "--seed", 9, "-o", "a.exr")
+        self.assertEqual(self.header("a.exr", "dapple:seed"), "9")
+        self.assertEqual(self.header("a.exr", "dapple:passes"), "2")
+        self.assertEqual(self.header("a.exr", "dapple:end"), "all passes done")
+        self.assertIn("--seed 9", self.header("a.exr", "dapple:command"))
+        self.assertIsNone(self.header("a.exr", "dapple:incomplete"))
+
+    def test_layers_have_the_names_that_programs_expect(self):
+        self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "all.exr")
+        channels = self.header("all.exr", "channel list")
+        for name in ("R", "Albedo.R", "N.X", "Z", "direct.R", "caustic.B", "indirect.G"):
+            self.assertIn(name, channels.replace(",", "").split())
+        self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "beauty.exr", "--layers", "beauty")
+        self.assertEqual(self.header("beauty.exr", "channel list"), "R, G, B")
+
+    def test_crop_is_a_part_of_the_whole(self):
+        self.dapple("render", SCENE, "--quiet", "--passes", 2, "-o", "whole.exr", "--layers", "beauty")
+        self.dapple("render", SCENE, "--quiet", "--passes", 2, "-o", "part.exr", "--layers", "beauty", "--crop", "8,24,4,20")
+        subprocess.run(["oiiotool", "whole.exr", "--cut", "16x16+8+4", "-o", "cut.exr"], cwd=self.folder, check=True)
+        subprocess.run(["oiiotool", "part.exr", "--origin", "+0+0", "--fullpixels", "-o", "part0.exr"], cwd=self.folder,
+                       check=True)
+        self.dapple("compare", "cut.exr", "part0.exr", "--exact")
+
+    def test_json_progress_is_json(self):
+        result = self.dapple("render", SCENE, "--time", "1s", "--progress", "json", "-o", "a.png", "--resolution", "64x48")
+        events = [json.loads(line) for line in result.stdout.splitlines()]
+        kinds = [event["event"] for event in events]
+        self.assertEqual((kinds[0], kinds[-2], kinds[-1]), ("begin", "end", "written"))
+        self.assertIn("progress", kinds)
+        self.assertTrue(all(event["percent"] < 100 for event in events if event["event"] == "progress"))
+
+    def test_time_is_kept(self):
+        result = self.dapple("render", SCENE, "--time", "2s", "--progress", "json", "-o", "a.png", "--resolution", "64x48")
+        end = [event for event in map(json.loads, result.stdout.splitlines()) if event["event"] == "end"][0]
+        self.assertAlmostEqual(end["elapsed"], 2, delta=0.1)
+
+    def interrupted(self, signals, *options):
+        render = subprocess.Popen([PROGRAM, "render", SCENE, "-o", "a.exr", "--progress", "none", *options], cwd=self.folder,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL)
+        time.sleep(1.5)
+        for _ in range(signals):
+            os.kill(render.pid, signal.SIGINT)
+            time.sleep(0.05)
+        _, errors = render.communicate(timeout=60)
+        self.assertEqual(render.returncode, 0, errors)
+        return errors
+
+    def test_first_interrupt_finishes_the_pass(self):
+        self.interrupted(1, "--passes", "1000000")
+        self.assertEqual(self.header("a.exr", "dapple:end"), "stopped by request")
+        self.assertGreater(int(self.header("a.exr", "dapple:passes")), 0)
+
+    def test_second_interrupt_still_writes(self):
+        errors = self.interrupted(2, "--passes", "5", "--resolution", "3000x3000", "--layers", "beauty")
+        passes = int(self.header("a.exr", "dapple:passes"))
+        if passes == 0:
+            self.assertIn("no pass was completed", errors)
+            self.assertIsNotNone(self.header("a.exr", "dapple:incomplete"))
+        else:
+            self.assertIsNone(self.header("a.exr", "dapple:incomplete"))
+
+    def test_compare_has_an_exit_status(self):
+        self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "one.exr", "--seed", 1)
+        self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "two.exr", "--seed", 2)
+        self.dapple("compare", "one.exr", "one.exr", "--exact", "--mean-within", 0)
+        self.dapple("compare", "one.exr", "two.exr", "--mean-within", 50, "--diff", "diff.png")
+        self.assertTrue((self.folder / "diff.png").exists())
+        self.dapple("compare", "one.exr", "two.exr", "--exact", status=1)
+        self.dapple("compare", "one.exr", "two.exr", "--mean-within", 0, status=1)
+        self.dapple("compare", "one.exr", "two.exr", "--relmse-within", 0, status=1)
+
+    def test_inspect_tells_lights_and_shares(self):
+        text = self.dapple("inspect", SCENE).stdout
+        self.assertIn("area light on sphere", text)
+        self.assertIn("group lamp", text)
+        self.assertIn("% of photons", text)
+        self.assertIn("warnings      none", text)
+
+    def test_doctor_finds_all_well(self):
+        self.assertIn("All is well.", self.dapple("doctor").stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
