@@ -115,8 +115,9 @@ float Filter::Axis::sample(float u, float& sample_weight) const
     // The two halves of the axis share the inverse; monotone in u, which keeps stratification.
     const float signed_u = 2.0f * u - 1.0f;
     const float t = std::min(std::fabs(signed_u), one_minus_epsilon);
-    const int cell =
-        std::clamp(static_cast<int>(std::upper_bound(cdf.begin(), cdf.end(), t) - cdf.begin()) - 1, 0, cells - 1);
+    // Binary search without branches for the last cell that begins at or below t.
+    int cell = 0;
+    for (int step = cells / 2; step > 0; step /= 2) cell += cdf[cell + step] <= t ? step : 0;
     const float a = value[cell], b = value[cell + 1];
     const float width = cdf[cell + 1] - cdf[cell];
     const float v = width > 0.0f ? std::clamp((t - cdf[cell]) / width, 0.0f, one_minus_epsilon) : 0.5f;
