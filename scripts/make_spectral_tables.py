@@ -111,7 +111,7 @@ for metal in ("Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"):
         metals.append(interleaved(f"metal-{metal}-{part}", rows))
 write(
     "metals.inc",
-    "Complex refractive indices eta + i k: wavelength [nm], value, ... . Ag, Al, Au, Cu, MgO, TiO2 (ordinary ray): "
+    "Complex refractive indices eta + i k: wavelength [nm], value, ... . Ag, Al, Au, Cu, MgO, TiO2 (rutile; 2.91 at 589 nm, so the extraordinary ray): "
     "luxpop.com's compilation of published measurements (Palik's Handbook of Optical Constants of Solids for MgO and "
     "TiO2), from the spd files of mitsuba-data. CuZn: M. R. Querry 1985, Optical constants, CRDC-CR-85034 (70 % Cu, "
     "30 % Zn), from refractiveindex.info (CC0). pbrt-v4's tables hold the same numbers.",

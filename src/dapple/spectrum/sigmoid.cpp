@@ -1,6 +1,6 @@
 // Fitting of sigmoid spectra (see sigmoid.h): damped Gauss-Newton (Levenberg 1944, Marquardt 1963) on the difference in
-// CIE L*a*b*, with the polynomial in a wavelength scaled to [-1, 1]. Integrals use 95 nodes 5 nm apart whose weights
-// integrate piecewise linear reflectances exactly against the 1 nm tables of observer and white.
+// CIE L*a*b*, with the polynomial in a wavelength scaled to [-1, 1]. Integrals use nodes whose weights integrate
+// piecewise cubic reflectances exactly against the 1 nm tables of observer and white.
 #include "dapple/spectrum/sigmoid.h"
 
 #include "dapple/base/parallel.h"
@@ -17,29 +17,39 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-constexpr int node_step = 5;
-constexpr int node_count = (spectrum_table_size - 1) / node_step + 1;
+// Nodes of the integrals, in nm: every entry of the 1 nm tables for single colours; few, for the table of all colours.
+constexpr int fine_step = 1;
+constexpr int coarse_step = 5;
 constexpr double lambda_centre = 0.5 * (lambda_min + lambda_max);
 constexpr double lambda_half = 0.5 * (lambda_max - lambda_min);
-// Beyond this a spectrum is a box to within the grid, and a float polynomial in nm loses its digits.
-constexpr double largest_coefficient = 200.0;
+// Beyond this a spectrum is a box to within the grid, and a float polynomial in nm loses its digits. Dark colours need
+// more: a reflectance of s has a polynomial of -0.5 / sqrt(s).
+double largest_coefficient(const Vec3& rgb) { return 200.0 + 5.0 / std::sqrt(static_cast<double>(max_component(rgb))); }
 
 // Stands for infinity: exact 0 and 1 after the sigmoid, but no NaN.
 constexpr float saturated = 1e15f;
 
 class Fitter {
 public:
-    explicit Fitter(const ColorSpace& space) : xyz_from_rgb_(space.xyz_from_rgb)
+    Fitter(const ColorSpace& space, int node_step, double tolerance)
+        : xyz_from_rgb_(space.xyz_from_rgb), tolerance_(tolerance)
     {
-        const auto& matching = cie_matching_functions();
+        const int node_count = (spectrum_table_size - 1) / node_step + 1;
+        const size_t padded = (static_cast<size_t>(node_count) + ways - 1) / ways * ways;
+        t_.resize(padded);
+        for (auto& weights : weight_) weights.resize(padded);
         for (int k = 0; k < node_count; ++k) t_[k] = (lambda_min + node_step * k - lambda_centre) / lambda_half;
+
+        const auto& matching = cie_matching_functions();
         for (int i = 0; i < spectrum_table_size; ++i) {
-            const int k = std::min(i / node_step, node_count - 2);
-            const double f = static_cast<double>(i) / node_step - k;
+            // Cubic Lagrange interpolation between four nodes; with nodes at every entry, the entry itself.
+            const int first = std::clamp(i / node_step - 1, 0, node_count - 4);
+            const double x = static_cast<double>(i) / node_step - first;
+            const double share[4] = {-(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0, x * (x - 2.0) * (x - 3.0) / 2.0,
+                                     -x * (x - 1.0) * (x - 3.0) / 2.0, x * (x - 1.0) * (x - 2.0) / 6.0};
             for (size_t c = 0; c < 3; ++c) {
                 const double w = static_cast<double>(matching[c][i]) * space.illuminant[i] / cie_y_integral;
-                weight_[c][k] += (1.0 - f) * w;
-                weight_[c][k + 1] += f * w;
+                for (int k = 0; k < 4; ++k) weight_[c][first + k] += share[k] * w;
                 white_[c] += w;
             }
         }
@@ -53,10 +63,11 @@ public:
         Jacobian jacobian;
         double error = evaluate(a, target, residual, jacobian);
         double damping = 1e-3;
-        for (int iteration = 0; iteration < 60 && error > 1e-12; ++iteration) {
+        const double limit = largest_coefficient(rgb);
+        for (int iteration = 0; iteration < 60 && error > tolerance_; ++iteration) {
             const Triple step = damped_step(jacobian, residual, damping);
             Triple next;
-            for (int i = 0; i < 3; ++i) next[i] = std::clamp(a[i] - step[i], -largest_coefficient, largest_coefficient);
+            for (int i = 0; i < 3; ++i) next[i] = std::clamp(a[i] - step[i], -limit, limit);
             Triple next_residual;
             Jacobian next_jacobian;
             const double next_error = evaluate(next, target, next_residual, next_jacobian);
@@ -105,10 +116,9 @@ private:
     // Residual in L*a*b*, its derivatives after a, and the sum of squares. Four partial sums let the loop run in SIMD.
     double evaluate(const Triple& a, const Triple& target, Triple& residual, Jacobian& jacobian) const
     {
-        constexpr int ways = 4;
         double sums[12][ways] = {};
-        for (int k = 0; k < padded_nodes; k += ways)
-            for (int w = 0; w < ways; ++w) {
+        for (size_t k = 0; k < t_.size(); k += ways)
+            for (size_t w = 0; w < ways; ++w) {
                 const double t = t_[k + w];
                 const double x = (a[0] * t + a[1]) * t + a[2];
                 const double inverse = 1.0 / std::sqrt(1.0 + x * x);
@@ -171,11 +181,12 @@ private:
         return step;
     }
 
-    static constexpr int padded_nodes = (node_count + 3) / 4 * 4;
+    static constexpr size_t ways = 4;
 
     Matrix3 xyz_from_rgb_;
-    std::array<double, padded_nodes> t_{};
-    std::array<std::array<double, padded_nodes>, 3> weight_{};
+    double tolerance_;  // squared distance in L*a*b* at which a colour is met
+    std::vector<double> t_;
+    std::array<std::vector<double>, 3> weight_;
     Triple white_{};
 };
 
@@ -207,13 +218,20 @@ const Fitter& fitter(const ColorSpace& space)
     static std::mutex mutex;
     static std::map<std::string_view, Fitter> fitters;
     const std::lock_guard lock(mutex);
-    return fitters.try_emplace(space.name, space).first->second;
+    return fitters.try_emplace(space.name, space, fine_step, 1e-12).first->second;
 }
 
 double smoothstep(double x) { return x * x * (3.0 - 2.0 * x); }
 
 // The smallest value of the largest channel that the table holds; darker colours are as good as black.
 constexpr float darkest = 2e-6f;
+
+// The scale on which coefficients are interpolated along the value: exact for greys.
+float value_scale(float value)
+{
+    const float v = std::min(value, 0.9999f);
+    return (v - 0.5f) / std::sqrt(v * (1.0f - v));
+}
 
 }  // namespace
 
@@ -228,36 +246,36 @@ SigmoidCoefficients rgb_to_sigmoid(const ColorSpace& space, const Vec3& rgb)
     return {{c[0], c[1], c[2]}};
 }
 
-SigmoidTable::SigmoidTable(const ColorSpace& space) : entries_(size_t{3} * resolution * resolution * resolution)
+SigmoidTable::SigmoidTable(const ColorSpace& space) : entries_(index(3, 0, 0, 0))
 {
-    const double last = resolution - 1;
-    for (int z = 0; z < resolution; ++z) values_[z] = static_cast<float>(smoothstep(smoothstep(z / last)));
-    values_[0] = darkest;
-
-    const Fitter& fit = fitter(space);
+    for (int z = 0; z < values; ++z) {
+        const double u = static_cast<double>(z) / (values - 1);
+        value_[z] = std::max(darkest, static_cast<float>(smoothstep(0.5 * (u + smoothstep(u)))));
+        scale_[z] = value_scale(value_[z]);
+    }
+    const Fitter fit(space, coarse_step, 1e-8);
     // One column of values of the largest channel at a time, outwards from the middle: neighbours start near the
     // answer.
-    parallel_for(int64_t{3} * resolution * resolution, 16, [&](int64_t column) {
-        const int x = static_cast<int>(column % resolution);
-        const int y = static_cast<int>(column / resolution % resolution);
-        const int channel = static_cast<int>(column / (resolution * resolution));
+    parallel_for(int64_t{3} * ratios * ratios, 16, [&](int64_t column) {
+        const int x = static_cast<int>(column % ratios);
+        const int y = static_cast<int>(column / ratios % ratios);
+        const int channel = static_cast<int>(column / (ratios * ratios));
         const auto color_at = [&](int z) {
             Vec3 color;
-            color[channel] = values_[z];
-            color[(channel + 1) % 3] = values_[z] * static_cast<float>(x / last);
-            color[(channel + 2) % 3] = values_[z] * static_cast<float>(y / last);
+            color[channel] = value_[z];
+            color[(channel + 1) % 3] = value_[z] * static_cast<float>(x) / (ratios - 1);
+            color[(channel + 2) % 3] = value_[z] * static_cast<float>(y) / (ratios - 1);
             return color;
         };
         const auto sweep = [&](int from, int to, int direction) {
             Triple a = start(color_at(from));
             for (int z = from; z != to; z += direction) {
                 fit.solve(color_at(z), a);
-                entries_[static_cast<size_t>(((channel * resolution + z) * resolution + y) * resolution + x)] =
-                    in_nanometres(a);
+                entries_[index(channel, z, y, x)] = in_nanometres(a);
             }
         };
-        sweep(resolution / 2, resolution, 1);
-        sweep(resolution / 2, -1, -1);
+        sweep(values / 2, values, 1);
+        sweep(values / 2, -1, -1);
     });
 }
 
@@ -269,22 +287,22 @@ SigmoidCoefficients SigmoidTable::lookup(const Vec3& rgb) const
     const int channel = color.x > color.y ? (color.x > color.z ? 0 : 2) : (color.y > color.z ? 1 : 2);
     const float value = color[channel];
     if (value < darkest) return {{0.0f, 0.0f, -saturated}};
-    const float x = color[(channel + 1) % 3] / value * (resolution - 1);
-    const float y = color[(channel + 2) % 3] / value * (resolution - 1);
-    const int xi = std::min(static_cast<int>(x), resolution - 2);
-    const int yi = std::min(static_cast<int>(y), resolution - 2);
-    const auto above = std::upper_bound(values_.begin(), values_.end(), value);
-    const int zi = std::clamp(static_cast<int>(above - values_.begin()) - 1, 0, resolution - 2);
+    const float x = color[(channel + 1) % 3] / value * (ratios - 1);
+    const float y = color[(channel + 2) % 3] / value * (ratios - 1);
+    const int xi = std::min(static_cast<int>(x), ratios - 2);
+    const int yi = std::min(static_cast<int>(y), ratios - 2);
+    const auto above = std::upper_bound(value_.begin(), value_.end(), value);
+    const int zi = std::clamp(static_cast<int>(above - value_.begin()) - 1, 0, values - 2);
     const float dx = x - static_cast<float>(xi), dy = y - static_cast<float>(yi);
-    const float dz = (value - values_[zi]) / (values_[zi + 1] - values_[zi]);
+    const float dz = clamp01((value_scale(value) - scale_[zi]) / (scale_[zi + 1] - scale_[zi]));
 
     SigmoidCoefficients result;
     for (int i = 0; i < 3; ++i) {
-        const auto at = [&](int oz, int oy, int ox) { return entry(channel, zi + oz, yi + oy, xi + ox)[i]; };
-        const auto face = [&](int oz) {
-            return lerp(dy, lerp(dx, at(oz, 0, 0), at(oz, 0, 1)), lerp(dx, at(oz, 1, 0), at(oz, 1, 1)));
+        const auto at = [&](int z, int oy, int ox) { return entries_[index(channel, z, yi + oy, xi + ox)][i]; };
+        const auto face = [&](int z) {
+            return lerp(dy, lerp(dx, at(z, 0, 0), at(z, 0, 1)), lerp(dx, at(z, 1, 0), at(z, 1, 1)));
         };
-        result.c[i] = lerp(dz, face(0), face(1));
+        result.c[i] = lerp(dz, face(zi), face(zi + 1));
     }
     return result;
 }
