@@ -204,14 +204,18 @@ float illuminance_factor(const Light& light, const Lights& lights)
     if (light.kind == Light::Kind::distant) return 1.0f;
     if (light.kind == Light::Kind::environment) return pi;
     const Image& image = lights.images[light.image].pixels;
+    // Texels that the horizon cuts need several points; fine maps have few of them.
+    const int samples = std::max(1, 256 / image.width);
     double sum = 0.0;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            const Vec2 center((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
-                              (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height));
-            sum += std::max(0.0f, equal_area_square_to_sphere(center).z) * luminance(image, x, y);
+    for (int y = 0; y < image.height * samples; ++y)
+        for (int x = 0; x < image.width * samples; ++x) {
+            const Vec2 uv((static_cast<float>(x) + 0.5f) / static_cast<float>(image.width * samples),
+                          (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height * samples));
+            const float cosine = equal_area_square_to_sphere(uv).z;
+            if (cosine > 0.0f) sum += cosine * luminance(image, x / samples, y / samples);
         }
-    return static_cast<float>(4.0 * pi * sum / (static_cast<double>(image.width) * image.height));
+    const double count = static_cast<double>(image.width) * image.height * samples * samples;
+    return static_cast<float>(4.0 * pi * sum / count);
 }
 
 float power(const Lights& lights, const SpectrumPool&, LightId id)
