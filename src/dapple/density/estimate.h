@@ -1,0 +1,124 @@
+// Radiance and irradiance on surfaces from a photon map (Jensen 2001, "Realistic image synthesis using photon mapping";
+// kernels.h):
+//   L(x, wo) = sum_p f(wi_p) flux_p K(d_p / r) / r^2 / emitted,
+// where f is the caller's scattering function (no cosine: a photon's flux per area is irradiance already).
+//
+// With k nearest photons, r is the distance of the k-th and this photon itself is left out, whatever the kernel: given
+// r, the other k - 1 are spread as all photons are, and the mean of (k - 1) / (pi r^2) is the density exactly. Counting
+// the farthest too would brighten by K(1) pi / (k - 1) of the value, which is 2 % for k = 50 with the constant kernel
+// and 0.3 % with the Gaussian, which does not vanish at its edge. Where max_radius holds fewer than k photons,
+// r = max_radius and all count; both cases together have no bias on an evenly lit plane either.
+//
+// What counts is decided by SurfaceRegion (photon_map.h): a flat disc, and photons whose normals agree with the
+// query's. A wall, however thin, keeps the light of its other side, unless the caller asks for it (transmission). Not
+// mended: near the edge of a surface part of the disc is empty and the estimate falls, to 1/2 at a straight edge and
+// 1/4 at a right-angled corner; and light on a floor seeps below a wall that stands on it, up to r far. On a sphere the
+// constant kernel is exact (a cap of chord r has the area pi r^2) until the disc's height cuts it, at r = 0.2 sphere
+// radii. Cost: one search of the tree, about 1.5 us for k = 50 of a million photons and sorted queries.
+#pragma once
+
+#include "dapple/density/kernels.h"
+#include "dapple/photons/photon_map.h"
+
+namespace dapple {
+
+// How wide an estimate looks.
+struct Bandwidth {
+    int nearest = 0;          // 0: all photons within max_radius; else at least 2, at most the k of the NearestPoints
+    float max_radius = 0.0f;  // [m]; may be infinite if nearest > 0
+    KernelKind kernel = KernelKind::epanechnikov;
+};
+
+// What an estimate rests on.
+struct EstimateSupport {
+    int count = 0;         // photons that took part
+    float radius = 0.0f;   // r [m]
+    float density = 0.0f;  // photons per area [1/m^2]
+};
+
+struct RadianceEstimate {
+    Spectrum value;  // radiance [W/(m^2 sr)] or irradiance [W/m^2]
+    EstimateSupport support;
+};
+
+namespace detail {
+
+// The least radius of a k-nearest estimate: photons that coincide would make it 0.
+inline float least_radius(const Vec3& p) { return 1e-6f * std::max(max_component(abs(p)), 1e-6f); }
+
+template <class Visitor>
+EstimateSupport visit_within(const PhotonMap& map, const SurfaceRegion& region, KernelKind kernel, float radius,
+                             Visitor&& visit)
+{
+    const float inv_radius = 1.0f / radius;
+    const float scale = inv_radius * inv_radius / static_cast<float>(map.emitted());
+    int count = 0;
+    map.for_each_on_surface(region, radius, [&](uint32_t slot, float distance_squared) {
+        ++count;
+        visit(slot, kernel_disc(kernel, std::sqrt(distance_squared) * inv_radius) * scale);
+    });
+    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius};
+}
+
+}  // namespace detail
+
+// Calls visit(slot, weight) for each photon that takes part, with weight = K(d / r) / r^2 / emitted [1/m^2]: the
+// building block of all estimates below, and of those that split their value by light group or path class
+// (map.light_group(slot), map.path_class(slot)). `nearest` is scratch space of the calling thread with k() equal to
+// bandwidth.nearest; it is not touched if that is 0. An empty map gives nothing.
+template <class Visitor>
+EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region, const Bandwidth& bandwidth,
+                              NearestPoints& nearest, Visitor&& visit)
+{
+    if (map.empty() || map.emitted() == 0 || !(bandwidth.max_radius > 0.0f)) return {};
+    if (bandwidth.nearest == 0) return detail::visit_within(map, region, bandwidth.kernel, bandwidth.max_radius, visit);
+    DAPPLE_ASSERT(nearest.k() == bandwidth.nearest && bandwidth.nearest >= 2);
+    map.find_nearest_on_surface(region, bandwidth.max_radius, nearest);
+    float radius = bandwidth.max_radius;
+    int left_out = -1;
+    if (nearest.count() == nearest.k()) {
+        left_out = nearest.farthest();
+        radius = std::sqrt(nearest.distance_squared(left_out));
+        const float least = std::min(detail::least_radius(region.position), bandwidth.max_radius);
+        if (radius < least) return detail::visit_within(map, region, bandwidth.kernel, least, visit);
+    } else if (!(radius < infinity)) {
+        // The whole map has fewer photons than asked for, and no radius is given: take what there is.
+        if (nearest.count() < 2) return {};
+        left_out = nearest.farthest();
+        radius = std::max(std::sqrt(nearest.distance_squared(left_out)), detail::least_radius(region.position));
+    }
+    const float inv_radius = 1.0f / radius;
+    const float scale = inv_radius * inv_radius / static_cast<float>(map.emitted());
+    for (int i = 0; i < nearest.count(); ++i) {
+        if (i == left_out) continue;
+        visit(nearest.index(i),
+              kernel_disc(bandwidth.kernel, std::sqrt(nearest.distance_squared(i)) * inv_radius) * scale);
+    }
+    const int count = nearest.count() - (left_out >= 0 ? 1 : 0);
+    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius};
+}
+
+// Reflected (or transmitted) radiance [W/(m^2 sr)]. scattering(wi) is called with the unit direction each photon came
+// from and returns a Spectrum, usually the BSDF [1/sr] between wi and the viewer, without a cosine.
+template <class Scattering>
+RadianceEstimate estimate_radiance(const PhotonMap& map, const SurfaceRegion& region, const Bandwidth& bandwidth,
+                                   NearestPoints& nearest, Scattering&& scattering)
+{
+    RadianceEstimate estimate;
+    estimate.support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
+        estimate.value += scattering(map.direction(slot)) * map.flux(slot) * weight;
+    });
+    return estimate;
+}
+
+// Irradiance [W/m^2] that arrives on the side(s) of the region, for precomputed irradiance.
+inline RadianceEstimate estimate_irradiance(const PhotonMap& map, const SurfaceRegion& region,
+                                            const Bandwidth& bandwidth, NearestPoints& nearest)
+{
+    RadianceEstimate estimate;
+    estimate.support = visit_photons(map, region, bandwidth, nearest,
+                                     [&](uint32_t slot, float weight) { estimate.value += map.flux(slot) * weight; });
+    return estimate;
+}
+
+}  // namespace dapple

@@ -1,0 +1,45 @@
+#include "dapple/density/irradiance_map.h"
+
+#include "dapple/base/parallel.h"
+
+namespace dapple {
+
+IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, uint32_t stride)
+{
+    const uint32_t count = (map.size() + stride - 1) / stride;
+    std::vector<Vec3> positions(count);
+    std::vector<IrradianceRecord> records(count);
+    parallel_for_ranges(count, 1024, [&](int64_t begin, int64_t end) {
+        NearestPoints nearest(std::max(bandwidth.nearest, 2));
+        for (int64_t i = begin; i < end; ++i) {
+            const uint32_t slot = static_cast<uint32_t>(i) * stride;
+            positions[static_cast<size_t>(i)] = map.position(slot);
+            IrradianceRecord& record = records[static_cast<size_t>(i)];
+            record.normal = map.normal(slot);
+            const RadianceEstimate estimate =
+                estimate_irradiance(map, {map.position(slot), record.normal}, bandwidth, nearest);
+            record.irradiance = estimate.value;
+            record.radius = estimate.support.radius;
+        }
+    });
+    std::vector<uint32_t> order;
+    tree_ = PointTree(positions, order);
+    records_.resize(count);
+    for (uint32_t slot = 0; slot < count; ++slot) records_[slot] = records[order[slot]];
+}
+
+const IrradianceRecord* IrradianceMap::nearest(const Vec3& position, const Vec3& normal, float max_distance) const
+{
+    thread_local NearestPoints nearest(1);  // scratch space, not a result
+    const auto agrees = [&](uint32_t leaf) {
+        uint32_t mask = 0;
+        const uint32_t first = leaf * PointTree::leaf_size;
+        for (uint32_t i = 0; i < PointTree::leaf_size && first + i < records_.size(); ++i)
+            if (dot(records_[first + i].normal, normal) > 0.5f) mask |= 1u << i;
+        return mask;
+    };
+    tree_.find_nearest(DiscRegion{position, normal}, max_distance * max_distance, agrees, nearest);
+    return nearest.count() > 0 ? &records_[nearest.index(0)] : nullptr;
+}
+
+}  // namespace dapple
