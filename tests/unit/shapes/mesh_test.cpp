@@ -92,6 +92,23 @@ bool float_hit(const MeshTriangle& t, const Vec3& origin, const Vec3& direction,
     return distance > 0.0f;
 }
 
+// The watertight form (Pluecker coordinates), which Embree takes for robust scenes: the edges come from vertices that
+// have been made relative to the ray's origin, and inside is decided by edge against direction.
+bool float_hit_robust(const MeshTriangle& t, const Vec3& origin, const Vec3& direction, float& distance)
+{
+    const Vec3 v0 = t.p[0] - origin, v1 = t.p[1] - origin, v2 = t.p[2] - origin;
+    const Vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
+    const float u = dot(cross(e0, v2 + v0), direction);
+    const float v = dot(cross(e1, v0 + v1), direction);
+    const float w = dot(cross(e2, v1 + v2), direction);
+    if (std::min({u, v, w}) < 0.0f && std::max({u, v, w}) > 0.0f) return false;
+    const Vec3 normal = cross(e1, e0);
+    const float det = dot(normal, direction);
+    if (det == 0.0f) return false;
+    distance = dot(normal, v0) / det;
+    return distance > 0.0f;
+}
+
 TEST(Mesh, RaysLeavingATriangleDoNotHitItAgain)
 {
     int grazing = 0;
@@ -116,6 +133,7 @@ TEST(Mesh, RaysLeavingATriangleDoNotHitItAgain)
                     const Vec3 origin = offset_ray_origin(p.position, p.error, p.n_geometric, d);
                     float distance;
                     hits += float_hit(t, origin, d, distance);
+                    hits += float_hit_robust(t, origin, d, distance);
                     ++tests;
                     // Bounded: a few units in the last place of the vertices and, for slivers, of the edges.
                     const float largest = max_component(abs(t.p[0])) + 2.0f * scale;
