@@ -1,7 +1,7 @@
 // Pixel filters: sampled for eye paths, evaluated for splats, normalised to integrate to 1 over the raster.
 // All are separable. Per axis the filter is tabulated and is by definition the linear interpolation of its table (exact
-// for box and triangle; the others are within 2e-4 of the formula's peak), so that evaluation, density and normalisation
-// agree to rounding. Measured: evaluate 4 ns an axis, sample 60 ns for both.
+// for box and triangle; the others are within 2e-4 of the formula's peak), so that evaluation, density and
+// normalisation agree to rounding. Measured: evaluate 4 ns an axis, sample 60 ns for both.
 #pragma once
 
 #include "dapple/math/vec.h"
