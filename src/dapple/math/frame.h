@@ -28,8 +28,11 @@ struct Frame {
     {
         const Vec3 s_raw = tangent - normal * dot(normal, tangent);
         const float len2 = length_squared(s_raw);
-        if (!(len2 > 1e-20f * length_squared(tangent))) return Frame(normal);
-        const Vec3 s_axis = s_raw * (1.0f / std::sqrt(len2));
+        // Below this the difference is rounding alone and says nothing about the tangent.
+        if (!(len2 > 1e-10f * length_squared(tangent))) return Frame(normal);
+        const Vec3 s_rough = s_raw * (1.0f / std::sqrt(len2));
+        // A tangent close to the normal leaves some of it behind: once more.
+        const Vec3 s_axis = normalize(s_rough - normal * dot(normal, s_rough));
         return Frame(s_axis, cross(normal, s_axis), normal);
     }
 
