@@ -1,3 +1,5 @@
+// Lookups in the images of lights (see emission_profile.h). Cost: one pixel, and the upsampling of its colour.
+
 #include "dapple/lights/emission_profile.h"
 
 namespace dapple::lights_detail {

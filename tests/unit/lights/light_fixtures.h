@@ -1,6 +1,7 @@
 // One light of each kind, with numbers that make closed forms easy: spectra are constants, in the rgb model.
 #pragma once
 
+#include "../media/numbers.h"
 #include "dapple/lights/make_light.h"
 #include "dapple/math/frame.h"
 #include "dapple/math/hash.h"
@@ -9,22 +10,6 @@
 #include <string>
 
 namespace dapple::testing_support {
-
-// Uniform numbers from a counter.
-class Numbers {
-public:
-    explicit Numbers(uint64_t seed) : seed_(seed) {}
-    float next() { return to_unit_float(hash_words(seed_, count_++)); }
-    Vec2 next_2d()
-    {
-        const float x = next();
-        return {x, next()};
-    }
-
-private:
-    uint64_t seed_;
-    uint64_t count_ = 0;
-};
 
 // Mean and standard error of a series.
 class Series {
