@@ -8,17 +8,23 @@
 namespace dapple {
 namespace {
 
+int lower(char c) { return std::tolower(static_cast<unsigned char>(c)); }
+
+// Insertions, deletions, substitutions and swaps of neighbours that turn a into b (Damerau 1964), whatever the case.
 int edit_distance(std::string_view a, std::string_view b)
 {
-    std::vector<int> row(b.size() + 1);
+    std::vector<int> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
     std::iota(row.begin(), row.end(), 0);
     for (size_t i = 1; i <= a.size(); ++i) {
-        int diagonal = row[0];
+        std::swap(before, above);
+        std::swap(above, row);
         row[0] = static_cast<int>(i);
         for (size_t j = 1; j <= b.size(); ++j) {
-            const int substitution = diagonal + (std::tolower(a[i - 1]) != std::tolower(b[j - 1]));
-            diagonal = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitution});
+            const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+            row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + !same});
+            const bool swapped =
+                i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+            if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
         }
     }
     return row.back();

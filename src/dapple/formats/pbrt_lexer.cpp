@@ -175,9 +175,11 @@ bool PbrtLexer::at_number() const { return cursor_ < end_ && starts_number(*curs
 void PbrtLexer::fail_number(std::string_view kind) const
 {
     if (cursor_ == end_) throw UserError(locate(cursor_), fmt::format("the file ends where {} should stand", kind));
+    const SourceLocation where = locate(cursor_);
+    if (*cursor_ == '"') throw UserError(where, fmt::format("expected {}, got a text in quotes", kind));
     const std::string_view word = word_at_cursor();
     const std::string_view text = word.empty() ? std::string_view(cursor_, 1) : word;
-    throw UserError(locate(cursor_), fmt::format("expected {}, got '{}'", kind, shown(text)));
+    throw UserError(where, fmt::format("expected {}, got '{}'", kind, shown(text)));
 }
 
 template <class Number>

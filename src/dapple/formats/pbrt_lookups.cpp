@@ -106,9 +106,12 @@ size_t PbrtParameters::word(std::string_view name, size_t fallback, std::span<co
     if (!parameter) return fallback;
     const std::string& value = parameter->strings[0];
     const auto found = std::find(words.begin(), words.end(), value);
-    if (found == words.end())
-        throw UserError(parameter->where(), fmt::format("unknown {} '{}' of {} (known: {}){}", name, shown(value),
-                                                        what_, fmt::join(words, ", "), suggest(value, words)));
+    if (found == words.end()) {
+        constexpr size_t few = 8;
+        const std::string known = words.size() <= few ? fmt::format(" (known: {})", fmt::join(words, ", ")) : "";
+        throw UserError(parameter->where(), fmt::format("unknown {} '{}' of {}{}{}", name, shown(value), what_, known,
+                                                        suggest(value, words)));
+    }
     return static_cast<size_t>(found - words.begin());
 }
 

@@ -95,8 +95,8 @@ void read_values(PbrtLexer& lexer, PbrtParameter& parameter)
     }
     if (list && !lexer.skip_close()) {
         const PbrtToken token = lexer.next();
-        throw UserError(lexer.locate(token.at), fmt::format("'{}' does not belong into a list of type {}",
-                                                            shown(token.text), type_word(parameter.type)));
+        throw UserError(lexer.locate(token.at), fmt::format("expected a value of type {} or ']', got '{}'",
+                                                            type_word(parameter.type), shown(token.text)));
     }
 }
 

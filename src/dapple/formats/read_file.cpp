@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -15,6 +16,18 @@ namespace {
 // Text rarely shrinks more than thirtyfold; a file that expands further than this is an attack or an accident.
 constexpr size_t largest_expansion = 200;
 constexpr size_t always_allowed = size_t{16} << 20;
+
+// True when every sequence of bytes above 127 is one lead byte with the continuation bytes it announces.
+bool is_utf8(std::string_view text)
+{
+    int continuations = 0;
+    for (char c : text) {
+        const int leading_ones = std::countl_one(static_cast<unsigned char>(c));
+        if ((leading_ones == 1) != (continuations > 0) || leading_ones > 4) return false;
+        continuations = leading_ones == 1 ? continuations - 1 : std::max(0, leading_ones - 1);
+    }
+    return continuations == 0;
+}
 
 struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
@@ -69,8 +82,11 @@ std::string shown(std::string_view text)
     constexpr size_t longest = 120;
     const bool cut = text.size() > longest;
     std::string result(text.substr(0, longest));
-    for (char& c : result)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+    const bool readable = is_utf8(result);
+    for (char& c : result) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 32 || byte == 127 || (byte > 127 && !readable)) c = '?';
+    }
     return cut ? result + "..." : result;
 }
 
