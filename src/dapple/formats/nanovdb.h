@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dapple/math/transform.h"
+#include "dapple/scene/appearance.h"
 
 #include <string>
 #include <vector>
@@ -26,5 +27,10 @@ struct NanoVdbGrid {
 std::vector<NanoVdbGrid> read_nanovdb(const std::string& path);
 
 inline constexpr int64_t nanovdb_voxel_limit = int64_t(1) << 29;  // 2 GiB per grid
+
+// Turns a NanoVdbMedium into the UniformGridMedium of its file, in the file's space; leaves other media alone. To be
+// called before a description is compiled. Throws a UserError when the file cannot be used, lacks the density grid, or
+// gives density and temperature different transforms. A temperature grid that the file lacks is no error.
+void expand_nanovdb(scene::Medium& medium);
 
 }  // namespace dapple

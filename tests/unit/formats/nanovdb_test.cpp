@@ -191,6 +191,33 @@ TEST_F(NanoVdb, DamageIsAnErrorNeverACrash)
     }
 }
 
+TEST_F(NanoVdb, BecomesAGridMediumInPlace)
+{
+    read(file_bytes(true));
+    scene::Medium medium;
+    medium.kind = scene::NanoVdbMedium{.file = path_, .density_grid = "smoke"};
+    medium.world_from_medium = translation(Vec3(0, 0, 10));
+    expand_nanovdb(medium);
+    const auto& grid = std::get<scene::UniformGridMedium>(medium.kind);
+    EXPECT_EQ(grid.density.nz, 18);
+    EXPECT_EQ(grid.density.values.size(), 1800u);
+    EXPECT_TRUE(grid.temperature.values.empty());
+    EXPECT_NEAR(Transform(medium.world_from_medium).point(Vec3(0.15f, 0.15f, 1.5f / 18)).z, 45.0f, 1e-4f);
+
+    // Both grids at once, and their names when one is missing.
+    medium.kind = scene::NanoVdbMedium{.file = path_, .density_grid = "smok"};
+    EXPECT_THROW(expand_nanovdb(medium), UserError);
+    std::string hot = file_bytes(false);
+    hot.replace(16 + 176, 5, "tempe");
+    std::ofstream(path_, std::ios::binary) << file_bytes(false) << hot;
+    medium.kind = scene::NanoVdbMedium{
+        .file = path_, .density_grid = "smoke", .temperature_grid = "tempe", .emission_scale = 2.0f};
+    expand_nanovdb(medium);
+    const auto& both = std::get<scene::UniformGridMedium>(medium.kind);
+    EXPECT_EQ(both.temperature.values, both.density.values);
+    EXPECT_EQ(both.emission_scale.values, std::vector<float>(1800, 2.0f));
+}
+
 TEST_F(NanoVdb, ReadsTheSharedCloud)
 {
     const char* path = "/work/shared/scenes/teapot-cloud/geometry/teapot_cloud-RENDER-0.85.nvdb";
