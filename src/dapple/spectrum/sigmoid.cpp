@@ -117,16 +117,20 @@ private:
     double evaluate(const Triple& a, const Triple& target, Triple& residual, Jacobian& jacobian) const
     {
         double sums[12][ways] = {};
-        for (size_t k = 0; k < t_.size(); k += ways)
+        const double a0 = a[0], a1 = a[1], a2 = a[2];
+        const double* const weights[3] = {weight_[0].data(), weight_[1].data(), weight_[2].data()};
+        const double* const nodes = t_.data();
+        const size_t count = t_.size();
+        for (size_t k = 0; k < count; k += ways)
             for (size_t w = 0; w < ways; ++w) {
-                const double t = t_[k + w];
-                const double x = (a[0] * t + a[1]) * t + a[2];
+                const double t = nodes[k + w];
+                const double x = (a0 * t + a1) * t + a2;
                 const double inverse = 1.0 / std::sqrt(1.0 + x * x);
                 const double s = 0.5 + 0.5 * x * inverse;
                 const double slope = 0.5 * inverse * inverse * inverse;
                 for (int c = 0; c < 3; ++c) {
-                    const double weighted = weight_[c][k + w] * slope;
-                    sums[c * 4][w] += weight_[c][k + w] * s;
+                    const double weighted = weights[c][k + w] * slope;
+                    sums[c * 4][w] += weights[c][k + w] * s;
                     sums[c * 4 + 1][w] += weighted * t * t;
                     sums[c * 4 + 2][w] += weighted * t;
                     sums[c * 4 + 3][w] += weighted;
@@ -190,6 +194,13 @@ private:
     Triple white_{};
 };
 
+// Components in [0, 1]; what is not a number counts as 0.
+Vec3 bounded(const Vec3& rgb)
+{
+    const auto bound = [](float c) { return c > 0.0f ? std::min(c, 1.0f) : 0.0f; };
+    return {bound(rgb.x), bound(rgb.y), bound(rgb.z)};
+}
+
 // The constant spectrum of a grey: x with sigmoid(x) = grey.
 float grey_coefficient(float grey)
 {
@@ -237,7 +248,7 @@ float value_scale(float value)
 
 SigmoidCoefficients rgb_to_sigmoid(const ColorSpace& space, const Vec3& rgb)
 {
-    const Vec3 color(clamp01(rgb.x), clamp01(rgb.y), clamp01(rgb.z));
+    const Vec3 color = bounded(rgb);
     if (color.x == color.y && color.y == color.z) return {{0.0f, 0.0f, grey_coefficient(color.x)}};
     if (max_component(color) < darkest) return {{0.0f, 0.0f, -saturated}};
     Triple a = start(color);
@@ -281,7 +292,7 @@ SigmoidTable::SigmoidTable(const ColorSpace& space) : entries_(index(3, 0, 0, 0)
 
 SigmoidCoefficients SigmoidTable::lookup(const Vec3& rgb) const
 {
-    const Vec3 color(clamp01(rgb.x), clamp01(rgb.y), clamp01(rgb.z));
+    const Vec3 color = bounded(rgb);
     if (color.x == color.y && color.y == color.z) return {{0.0f, 0.0f, grey_coefficient(color.x)}};
 
     const int channel = color.x > color.y ? (color.x > color.z ? 0 : 2) : (color.y > color.z ? 1 : 2);

@@ -30,7 +30,7 @@ Spectrum SpectrumPool::evaluate_rgb(RgbUse use, const Vec3& rgb, const Wavelengt
     if (wavelengths.model == ColorModel::rgb) {
         Vec3 color = to_srgb(*image_space_, rgb);
         for (int i = 0; i < 3; ++i) {
-            color[i] = std::max(0.0f, color[i]);
+            color[i] = color[i] > 0.0f && std::isfinite(color[i]) ? color[i] : 0.0f;
             if (use == RgbUse::albedo) color[i] = std::min(1.0f, color[i]);
         }
         if (use == RgbUse::illuminant) color *= cie_y_integral;
@@ -39,7 +39,7 @@ Spectrum SpectrumPool::evaluate_rgb(RgbUse use, const Vec3& rgb, const Wavelengt
     float scale = 1.0f;
     if (use != RgbUse::albedo) {
         scale = 2.0f * max_component(rgb);
-        if (!(scale > 0.0f)) return Spectrum(0.0f);
+        if (!(scale > 0.0f && std::isfinite(scale))) return Spectrum(0.0f);
     }
     const Vec3 color = rgb * (1.0f / scale);
     const SigmoidCoefficients sigmoid =

@@ -57,7 +57,7 @@ public:
     // evaluate_rgb solves for each pixel anew: right, but a hundred times slower.
     void prepare_rgb(const ColorSpace& space);
     // The spectrum of a pixel in the colour space of prepare_rgb, as make_albedo, make_unbounded and make_illuminant
-    // give it (the last not yet divided by a photometric scale).
+    // give it (the last not yet divided by a photometric scale). Pixels that are not finite are black.
     Spectrum evaluate_rgb(RgbUse use, const Vec3& rgb, const Wavelengths& wavelengths) const;
 
 private:

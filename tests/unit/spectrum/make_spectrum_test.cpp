@@ -279,6 +279,9 @@ TEST(SpectrumPool, PixelsAgreeWithConstants)
                     EXPECT_NEAR(found[lane], expected[lane], tolerance * expected.max());
             }
             EXPECT_EQ(pool.evaluate_rgb(uses[i], Vec3(0.0f), w), Spectrum(0.0f));
+            for (const float odd : {std::nanf(""), infinity, -infinity})
+                for (const Vec3& bad : {Vec3(odd, 0.5f, 0.3f), Vec3(0.5f, odd, 0.3f), Vec3(0.5f, 0.3f, odd)})
+                    for (const Wavelengths& at : {w, rgb}) EXPECT_TRUE(pool.evaluate_rgb(uses[i], bad, at).is_finite());
         }
     }
 }
