@@ -12,7 +12,7 @@ void print_text(const IntegratorEntry& entry)
     fmt::print("{}\n    {}\n    scattering media: {}; photon layers: {}\n", entry.name, entry.summary,
                entry.media ? "yes" : "no", entry.photon_layers ? "yes" : "no");
     for (const SettingInfo& info : entry.settings) {
-        const std::string unit = info.unit.empty() ? "" : fmt::format(" [{}]", info.unit);
+        const std::string unit = info.unit.empty() ? std::string() : fmt::format(" [{}]", info.unit);
         fmt::print("    -D {:<24} {}{}; {}\n", fmt::format("{}={}", info.name, info.fallback), info.text, unit,
                    info.range);
     }
@@ -24,8 +24,11 @@ void print_markdown(const IntegratorEntry& entry)
     fmt::print("## {}\n\n{}.\n\n| setting | default | unit | values | meaning |\n|---|---|---|---|---|\n", entry.name,
                entry.summary);
     for (const SettingInfo& info : entry.settings) {
-        std::string range(info.range);
-        for (size_t at = 0; (at = range.find('|', at)) != std::string::npos; at += 2) range.insert(at, "\\");
+        std::string range;
+        for (const char c : info.range) {
+            if (c == '|') range += '\\';  // a bar would end the table's cell
+            range += c;
+        }
         fmt::print("| `{}` | {} | {} | {} | {} |\n", info.name, info.fallback, info.unit, range, info.text);
     }
     fmt::print("\n");

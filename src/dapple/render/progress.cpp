@@ -123,19 +123,18 @@ std::string format_progress(const ProgressState& state, int bar_width)
     if (known) text += fmt::format("{:2} % ", progress_percent(state.fraction));
     if (known && bar_width > 0) {
         const int filled = std::min(static_cast<int>(state.fraction * bar_width), bar_width - 1);
-        text += "[" + std::string(static_cast<size_t>(filled), '#') +
-                std::string(static_cast<size_t>(bar_width - filled), '.') + "] ";
+        text += fmt::format("[{:#<{}}{:.<{}}] ", "", filled, "", bar_width - filled);
     }
     text += fmt::format("pass {}", state.passes_done + 1);
     if (state.passes_total > 0) text += fmt::format(" of {}", state.passes_total);
-    if (state.eye_paths > 0) text += ", " + format_count(state.eye_paths) + " eye paths";
-    if (state.light_paths > 0) text += ", " + format_count(state.light_paths) + " light paths";
-    if (state.photons > 0) text += ", " + format_count(state.photons) + " photons";
-    text += ", " + format_duration(state.elapsed);
+    if (state.eye_paths > 0) text += fmt::format(", {} eye paths", format_count(state.eye_paths));
+    if (state.light_paths > 0) text += fmt::format(", {} light paths", format_count(state.light_paths));
+    if (state.photons > 0) text += fmt::format(", {} photons", format_count(state.photons));
+    text += fmt::format(", {}", format_duration(state.elapsed));
     if (state.stopping)
         text += ", stopping after this pass";
     else if (state.remaining >= 0)
-        text += ", " + format_duration(state.remaining) + " left";
+        text += fmt::format(", {} left", format_duration(state.remaining));
     return text;
 }
 
