@@ -303,5 +303,23 @@ TEST_F(PbrtFiles, TheSameMeshIsReadOnce)
               std::get<scene::Mesh>(scene.shapes[1].geometry).data);
 }
 
+// Scenes of other people's making; a file without WorldBegin is a part of another.
+TEST(PbrtScenes, TheSharedOnesRead)
+{
+    const std::filesystem::path shared = "/work/shared/scenes";
+    if (!std::filesystem::exists(shared)) GTEST_SKIP() << "the shared scenes are not here";
+    int scenes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(shared)) {
+        if (entry.path().extension() != ".pbrt") continue;
+        if (read_file(entry.path(), {}).find("WorldBegin") == std::string::npos) continue;
+        ++scenes;
+        EXPECT_NO_THROW({
+            const auto scene = read_pbrt(entry.path());
+            EXPECT_FALSE(scene.shapes.empty() && scene.instances.empty()) << entry.path();
+        }) << entry.path();
+    }
+    EXPECT_GT(scenes, 10);
+}
+
 }  // namespace
 }  // namespace dapple

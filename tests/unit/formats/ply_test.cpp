@@ -122,7 +122,7 @@ TEST(ReadFile, RefusesGzipBombs)
     const auto path = std::filesystem::temp_directory_path() / "dapple_bomb_test.gz";
     gzFile file = gzopen(path.c_str(), "wb9");
     const std::string zeros(1 << 20, '\0');
-    for (int i = 0; i < 64; ++i) gzwrite(file, zeros.data(), static_cast<unsigned>(zeros.size()));
+    for (int i = 0; i < 20; ++i) gzwrite(file, zeros.data(), static_cast<unsigned>(zeros.size()));
     gzclose(file);
     EXPECT_THROW(read_file(path, {}), UserError);
     std::filesystem::remove(path);
