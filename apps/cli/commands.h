@@ -1,6 +1,8 @@
 // The sub-commands of the program. Each adds itself to the parser and returns what runs when it was chosen.
 #pragma once
 
+#include "dapple/scene/description.h"
+
 #include <CLI/CLI.hpp>
 
 #include <functional>
@@ -22,6 +24,9 @@ Command add_inspect(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_doctor(CLI::App& app);
 Command add_integrators(CLI::App& app);
+
+// Reads a scene with the volumes that it names. Throws UserError.
+scene::Description read_scene(const std::string& path);
 
 // "dapple 0.1.0 (commit abc1234, release)".
 std::string version_line();

@@ -2,7 +2,6 @@
 #include "dapple/render/inspect.h"
 #include "commands.h"
 #include "dapple/base/log.h"
-#include "dapple/formats/pbrt.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +11,7 @@ namespace {
 int inspect_scene(const std::string& path, const std::string& integrator)
 {
     set_log_level(LogLevel::silent);  // warnings are listed at the end
-    const scene::Description description = read_pbrt(path);
+    const scene::Description description = read_scene(path);
     const IntegratorChoice choice = choose_integrator(description.integrator, integrator, {});
     CompileReport report;
     const std::unique_ptr<World> world = compile(description, &report);

@@ -4,7 +4,6 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
-#include "dapple/formats/pbrt.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
 #include "dapple/render/memory.h"
@@ -132,7 +131,7 @@ int render(const Options& options, const std::string& command_line)
     if (options.quiet) set_log_level(LogLevel::silent);
     set_thread_count(options.threads);
 
-    scene::Description description = read_pbrt(options.scene);
+    scene::Description description = read_scene(options.scene);
     for (const std::string& warning : description.warnings) log_warning("{}", warning);
     if (!options.resolution.empty()) set_resolution(description.film, options.resolution);
     if (!options.crop.empty()) set_crop(description.film, options.crop);
