@@ -57,14 +57,14 @@ std::string expand(const std::string& packed, const std::string& name, const Sou
         }
         const size_t before = text.size();
         const size_t room = std::clamp(before, size_t{1} << 16, size_t{1} << 26);
-        if (before > limit)
-            throw UserError(where,
-                            fmt::format("'{}' expands to more than {} times its size", shown(name), largest_expansion));
         text.resize(before + room);
         z.next_out = reinterpret_cast<Bytef*>(text.data() + before);
         z.avail_out = static_cast<uInt>(room);
         const int status = inflate(&z, Z_NO_FLUSH);
         text.resize(before + room - z.avail_out);
+        if (text.size() > limit)
+            throw UserError(where,
+                            fmt::format("'{}' expands to more than {} times its size", shown(name), largest_expansion));
         if (status == Z_STREAM_END) {
             if (z.avail_in == 0 && read == packed.size()) return text;
             if (inflateReset(&z) != Z_OK) break;  // gzip files may be joined end to end
