@@ -22,6 +22,9 @@ if(CCACHE)
 endif()
 
 add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor -fno-math-errno -fno-trapping-math)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(-Wno-restrict)  # GCC 12 warns falsely about std::string concatenation (GCC bug 105329)
+endif()
 # No fused contraction left to chance: the same source gives the same bits in every translation unit.
 add_compile_options(-ffp-contract=off)
 if(DAPPLE_WERROR)

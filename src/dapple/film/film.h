@@ -30,6 +30,7 @@ class PixelSample {
 public:
     // light_groups: how many the film has (FilmSettings::light_groups).
     explicit PixelSample(int light_groups) : group_rgb_(light_groups, Vec3(0)) {}
+    int light_groups() const { return static_cast<int>(group_rgb_.size()); }
     // Back to nothing, without freeing memory.
     void clear();
     // Adds a contribution; one that is not finite is dropped, and counted when the film gets the sample.

@@ -43,13 +43,14 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
         };
 
         std::vector<std::vector<Photon>> caustic;
-        const int64_t global_paths = plan.global_photons ? plan.global_paths / plan.wavelength_sets : 0;
+        const int64_t global_paths = plan.global_paths / plan.wavelength_sets;
         if (global_paths > 0) {
             request.stream = stream(0);
             request.paths = global_paths;
             std::vector<std::vector<Photon>> global = trace_photons(context.world, request);
             caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
+            if (plan.precompute_irradiance) map.irradiance = IrradianceMap(map.global, plan.irradiance_bandwidth);
         }
         const int64_t caustic_paths = plan.caustic_paths / plan.wavelength_sets;
         if (caustic_paths > 0) {

@@ -3,6 +3,7 @@
 // function of (world, seed, epoch).
 #pragma once
 
+#include "dapple/density/irradiance_map.h"
 #include "dapple/integrators/integrator.h"
 #include "dapple/photons/photon_map.h"
 
@@ -15,7 +16,8 @@ struct PhotonMapPlan {
     int64_t caustic_paths = 0;    // further paths, kept for the caustic map only
     int wavelength_sets = 4;      // 1 in the rgb model
     int max_depth = 100;
-    bool global_photons = true;   // false: only caustic maps are wanted
+    bool precompute_irradiance = false;
+    Bandwidth irradiance_bandwidth;
 };
 
 // The maps of one wavelength set.
@@ -23,6 +25,7 @@ struct PhotonMapSet {
     Wavelengths wavelengths;
     PhotonMap global;
     PhotonMap caustic;
+    IrradianceMap irradiance;  // empty unless asked for
 };
 
 // The wavelengths of set `set` of `sets` in an epoch: the sets of an epoch interleave, so that together they sample the
