@@ -38,7 +38,7 @@ using Nanoflann = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adapt
 struct CountingResults {
     float radius_squared;
     uint64_t hits = 0;
-    float sum = 0;
+    uint64_t bits = 0;
 
     size_t size() const { return hits; }
     bool full() const { return true; }
@@ -47,7 +47,7 @@ struct CountingResults {
     {
         if (distance_squared >= radius_squared) return true;
         ++hits;
-        sum += distance_squared;
+        bits ^= float_bits(distance_squared);
         return true;
     }
 };
@@ -203,7 +203,7 @@ void measure_queries(Timings& t, const Nanoflann& other, const PointTree& tree, 
                     const float p[3] = {q.x, q.y, q.z};
                     CountingResults results{radius * radius};
                     other.radiusSearchCustomCallback(p, results);
-                    return results.hits + float_bits(results.sum);
+                    return results.hits + results.bits;
                 };
             });
         });
@@ -211,12 +211,12 @@ void measure_queries(Timings& t, const Nanoflann& other, const PointTree& tree, 
             run_queries(queries, threads, [&] {
                 return [&](const Vec3& q) {
                     uint64_t hits = 0;
-                    float sum = 0;
+                    uint64_t bits = 0;
                     structure(q, [&](uint32_t, float d) {
                         ++hits;
-                        sum += d;
+                        bits ^= float_bits(d);
                     });
-                    return hits + float_bits(sum);
+                    return hits + bits;
                 };
             });
         };

@@ -145,24 +145,67 @@ struct CompressTable {
 };
 inline constexpr CompressTable compress_table;
 
-// Writes the entries of `values` (and first_index + position) whose mask bit is set to the front of the outputs, in
-// order, and returns how many those are. Always writes eight entries.
-inline int compress_store(Float8 values, uint32_t first_index, uint32_t mask, float* out_values, uint32_t* out_indices)
+// Moves the entries of values and ids whose mask bit is set to the front of the outputs, in order, and returns how many
+// those are. Always writes eight entries; in-place use is safe where the outputs do not lie behind the inputs.
+inline int compress_store(Float8 values, const uint32_t* ids, uint32_t mask, float* out_values, uint32_t* out_ids)
+{
+#ifdef __AVX2__
+    const __m128i packed = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(compress_table.order[mask]));
+    const __m256i order = _mm256_cvtepu8_epi32(packed);
+    const __m256i moved = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(ids)), order);
+    _mm256_storeu_ps(out_values, _mm256_permutevar8x32_ps(values.v, order));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out_ids), moved);
+#else
+    uint32_t moved[8];
+    for (int i = 0; i < 8; ++i) moved[i] = ids[compress_table.order[mask][i]];
+    for (int i = 0; i < 8; ++i) out_values[i] = values.v[compress_table.order[mask][i]];
+    std::memcpy(out_ids, moved, sizeof moved);
+#endif
+    return std::popcount(mask);
+}
+
+// The same for the ids first_id, first_id + 1, ..., first_id + 7.
+inline int compress_store(Float8 values, uint32_t first_id, uint32_t mask, float* out_values, uint32_t* out_ids)
 {
 #ifdef __AVX2__
     const __m128i packed = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(compress_table.order[mask]));
     const __m256i order = _mm256_cvtepu8_epi32(packed);
     _mm256_storeu_ps(out_values, _mm256_permutevar8x32_ps(values.v, order));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out_indices),
-                        _mm256_add_epi32(order, _mm256_set1_epi32(static_cast<int>(first_index))));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out_ids),
+                        _mm256_add_epi32(order, _mm256_set1_epi32(static_cast<int>(first_id))));
 #else
     for (int i = 0; i < 8; ++i) {
         out_values[i] = values.v[compress_table.order[mask][i]];
-        out_indices[i] = first_index + compress_table.order[mask][i];
+        out_ids[i] = first_id + compress_table.order[mask][i];
     }
 #endif
     return std::popcount(mask);
 }
+
+// Collects what range queries find, so that the visitor runs in one plain loop and not in a branch per lane.
+class HitBuffer {
+public:
+    // ids: a pointer to eight ids, or the first of eight successive ones. Calls visit(id, value) whenever it is full.
+    template <class Ids, class Visitor>
+    void add(Float8 values, Ids ids, uint32_t mask, Visitor&& visit)
+    {
+        count_ += compress_store(values, ids, mask, values_ + count_, ids_ + count_);
+        if (count_ >= capacity) flush(visit);
+    }
+    template <class Visitor>
+    void flush(Visitor&& visit)
+    {
+        for (int i = 0; i < count_; ++i) visit(ids_[i], values_[i]);
+        count_ = 0;
+    }
+
+private:
+    static constexpr int capacity = 64;
+
+    int count_ = 0;
+    alignas(32) float values_[capacity + 8];
+    alignas(32) uint32_t ids_[capacity + 8];
+};
 
 // Sorts eight keys, smallest first.
 inline void sort8(int32_t* keys)

@@ -71,7 +71,8 @@ HashGrid::HashGrid(std::span<const Vec3> points, float radius) : radius_(radius)
     });
 
     begin_.resize(size_t{entries} + 1);
-    index_.resize(count);
+    size_ = static_cast<uint32_t>(count);
+    index_.resize(count + Float8::size);
     for (auto* axis : {&x_, &y_, &z_}) axis->resize(count + Float8::size);
     begin_[entries] = static_cast<uint32_t>(count);
     parallel_for(static_cast<int64_t>(parts), 1, [&](int64_t part) {

@@ -22,7 +22,7 @@ public:
     // Parallel; the result does not depend on threads.
     HashGrid(std::span<const Vec3> points, float radius);
 
-    uint32_t size() const { return static_cast<uint32_t>(index_.size()); }
+    uint32_t size() const { return size_; }
     float radius() const { return radius_; }
     size_t memory_bytes() const
     {
@@ -52,8 +52,9 @@ private:
         return row_quarter(y, z) + ((x + row_hash(y, z)) & row_mask_);
     }
     template <class Visitor>
-    void visit_run(uint32_t begin, uint32_t end, const Vec3& p, Visitor&& visit) const;
+    void visit_run(uint32_t begin, uint32_t end, const Vec3& p, HitBuffer& hits, Visitor&& visit) const;
 
+    uint32_t size_ = 0;
     float radius_ = 0.0f;
     double cells_per_unit_ = 0.0;   // double: a point at the edge of the ball must not be missed by rounding
     uint32_t row_mask_ = 0;         // entries of a quarter of the table, less one
@@ -63,7 +64,7 @@ private:
 };
 
 template <class Visitor>
-void HashGrid::visit_run(uint32_t begin, uint32_t end, const Vec3& p, Visitor&& visit) const
+void HashGrid::visit_run(uint32_t begin, uint32_t end, const Vec3& p, HitBuffer& hits, Visitor&& visit) const
 {
     const Float8 limit = Float8::all(radius_ * radius_);
     for (uint32_t i = begin; i < end; i += 8) {
@@ -73,20 +74,14 @@ void HashGrid::visit_run(uint32_t begin, uint32_t end, const Vec3& p, Visitor&& 
         const Float8 d = dx * dx + dy * dy + dz * dz;
         uint32_t mask = less_mask(d, limit);
         if (end - i < 8) mask &= (1u << (end - i)) - 1u;
-        if (mask == 0) continue;
-        alignas(32) float distances[8];
-        d.store(distances);
-        for (; mask != 0; mask &= mask - 1) {
-            const uint32_t lane = static_cast<uint32_t>(std::countr_zero(mask));
-            visit(index_[i + lane], distances[lane]);
-        }
+        hits.add(d, &index_[i], mask, visit);
     }
 }
 
 template <class Visitor>
 void HashGrid::for_each_within(const Vec3& p, Visitor&& visit) const
 {
-    if (index_.empty()) return;
+    if (size_ == 0) return;
     // The two cells per axis that the ball can meet: its own and the nearer neighbour.
     const auto lower_cell = [&](float at) { return cell_of(at * cells_per_unit_ - 0.5); };
     const uint32_t x = lower_cell(p.x);
@@ -101,16 +96,18 @@ void HashGrid::for_each_within(const Vec3& p, Visitor&& visit) const
         __builtin_prefetch(&begin_[first[row] + column]);
         first[row] += column;
     }
+    HitBuffer hits;
     for (int row = 0; row < 4; ++row) {
         const uint32_t entry = first[row];
         // The last column of a row is followed by its first.
         if ((entry & row_mask_) == row_mask_) {
-            visit_run(begin_[entry], begin_[entry + 1], p, visit);
-            visit_run(begin_[entry - row_mask_], begin_[entry - row_mask_ + 1], p, visit);
+            visit_run(begin_[entry], begin_[entry + 1], p, hits, visit);
+            visit_run(begin_[entry - row_mask_], begin_[entry - row_mask_ + 1], p, hits, visit);
         } else {
-            visit_run(begin_[entry], begin_[entry + 2], p, visit);
+            visit_run(begin_[entry], begin_[entry + 2], p, hits, visit);
         }
     }
+    hits.flush(visit);
 }
 
 }  // namespace dapple

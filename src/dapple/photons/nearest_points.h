@@ -15,7 +15,7 @@ namespace dapple {
 class NearestPoints {
 public:
     // Allocates room for the k nearest points (k >= 1) of any number of later queries.
-    explicit NearestPoints(int k) : k_(std::max(1, k)), capacity_(k_ + slack)
+    explicit NearestPoints(int k) : k_(std::max(1, k)), capacity_(k_ + 40 + k_ / 8)
     {
         distance_squared_.resize(static_cast<size_t>(capacity_) + 24);
         index_.resize(static_cast<size_t>(capacity_) + 24);
@@ -57,15 +57,13 @@ public:
     }
 
 private:
-    static constexpr int slack = 24;  // candidates beyond k before the next threshold search; tuned on k = 50
-
     void keep_nearest();
     int count_below(float threshold) const;
     float largest() const;
     void compact(float threshold, int ties);
 
     int k_;
-    int capacity_;
+    int capacity_;  // candidates before the next threshold search; tuned on k = 50
     int count_ = 0;
     float limit_ = infinity;
     std::vector<float> distance_squared_;
@@ -121,21 +119,7 @@ inline void NearestPoints::compact(float threshold, int ties)
     const Float8 limit = Float8::all(threshold);
     for (int i = 0; i < count_; i += 8) {
         const Float8 values = Float8::load(d + i);
-        const uint32_t mask = less_mask(values, limit);
-#ifdef __AVX2__
-        const __m128i packed = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(compress_table.order[mask]));
-        const __m256i order = _mm256_cvtepu8_epi32(packed);
-        const __m256i ids = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index + i));
-        _mm256_storeu_ps(d + kept, _mm256_permutevar8x32_ps(values.v, order));
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(index + kept), _mm256_permutevar8x32_epi32(ids, order));
-        kept += std::popcount(mask);
-#else
-        for (int bit = 0; bit < 8; ++bit) {
-            if (!(mask >> bit & 1)) continue;
-            d[kept] = values.v[bit];
-            index[kept++] = index[i + bit];
-        }
-#endif
+        kept += compress_store(values, index + i, less_mask(values, limit), d + kept, index + kept);
     }
     count_ = kept;
 }

@@ -12,6 +12,7 @@
 #include "dapple/spectrum/spectrum.h"
 
 #include <array>
+#include <bit>
 
 namespace dapple {
 
@@ -53,7 +54,8 @@ uint32_t pack_unit(const Vec3& w)
 template <int bits>
 Vec3 unpack_unit(uint32_t packed)
 {
-    const auto number = [](uint32_t word) { return static_cast<float>(word) * (1.0f / octahedral_steps<bits>)-1.0f; };
+    constexpr float step = 1.0f / octahedral_steps<bits>;
+    const auto number = [](uint32_t word) { return static_cast<float>(word) * step - 1.0f; };
     return unit_from_octahedral(number(packed & ((1u << bits) - 1u)), number(packed >> bits));
 }
 
@@ -70,17 +72,19 @@ inline PackedFlux pack_flux(const Spectrum& flux, uint64_t photon_number)
 {
     float largest = 0.0f;
     for (int i = 0; i < Spectrum::lanes; ++i) largest = std::max(largest, std::fabs(flux[i]));
-    int exponent;
-    std::frexp(largest, &exponent);
-    if (largest == 0.0f || exponent < -flux_exponent_bias) return {};
-    constexpr int32_t largest_mantissa = (1 << (flux_mantissa_bits - 1)) - 1;
-    // A lane within one step of the power of two could be rounded up to it, which has no code.
-    if (std::ldexp(largest, flux_mantissa_bits - 1 - exponent) > static_cast<float>(largest_mantissa)) ++exponent;
+    if (largest < 0x1p-113f) return {};
+    // 2^exponent is the power of two above the largest lane; all of these numbers are normal floats.
+    const auto power_of_two = [](int e) { return std::bit_cast<float>(static_cast<uint32_t>(e + 127) << 23); };
+    int exponent = static_cast<int>(std::bit_cast<uint32_t>(largest) >> 23) - 126;
+    // A lane within one step of that power could be rounded up to it, which has no code.
+    constexpr float largest_mantissa = static_cast<float>((1 << (flux_mantissa_bits - 1)) - 1);
+    if (largest * power_of_two(flux_mantissa_bits - 1 - exponent) > largest_mantissa) ++exponent;
+    const float scale = power_of_two(flux_mantissa_bits - 1 - exponent);
     uint64_t bits = static_cast<uint64_t>(exponent + flux_exponent_bias);
     uint64_t dither = mix64(photon_number);
     for (int i = 0; i < Spectrum::lanes; ++i, dither >>= 16) {
         const float u = static_cast<float>(dither & 0xffffu) * 0x1p-16f;
-        const float scaled = std::ldexp(flux[i], flux_mantissa_bits - 1 - exponent);
+        const float scaled = flux[i] * scale;
         const float whole = std::floor(scaled);
         const int32_t mantissa = static_cast<int32_t>(whole) + (scaled - whole > u ? 1 : 0);
         bits |= (static_cast<uint64_t>(mantissa) & 0x3fffu) << (8 + flux_mantissa_bits * i);

@@ -132,6 +132,7 @@ void PointTree::for_each_within(const Region& region, float radius_squared, cons
         uint32_t mask;  // children still to visit
     };
     const Float8 limit = Float8::all(radius_squared);
+    HitBuffer hits;
     Open stack[max_levels];
     int level = levels_ - 1;
     const auto open = [&](uint32_t i) {
@@ -158,13 +159,9 @@ void PointTree::for_each_within(const Region& region, float radius_squared, cons
         uint32_t mask = less_mask(d, limit);
         if (mask == 0) continue;
         mask &= accept(child);
-        alignas(32) float distances[8];
-        d.store(distances);
-        for (; mask != 0; mask &= mask - 1) {
-            const uint32_t lane = static_cast<uint32_t>(std::countr_zero(mask));
-            visit(child * leaf_size + lane, distances[lane]);
-        }
+        hits.add(d, child * leaf_size, mask, visit);
     }
+    hits.flush(visit);
 }
 
 template <class Region, class Accept>
