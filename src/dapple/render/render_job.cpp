@@ -1,6 +1,8 @@
 // Passes, one after the other, with a second thread that watches the clock and the user.
 #include "dapple/render/render_job.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -58,10 +60,17 @@ private:
             if (cancel_.load()) return;
             end_pass();
         }
-        result_.reason = requests_.count() > 0                                ? "stopped by request"
-                         : job_.stop.passes > 0 && done() >= job_.stop.passes ? "all passes done"
-                                                                              : "time is up";
+        result_.reason = why_ended();
         whole_ = true;
+    }
+
+    std::string why_ended()
+    {
+        if (requests_.count() > 0) return "stopped by request";
+        if (job_.stop.passes > 0 && done() >= job_.stop.passes) return "all passes done";
+        const double beyond = elapsed() + times_.expected() - job_.stop.seconds;
+        if (elapsed() > 0.95 * job_.stop.seconds) return "time is up";
+        return fmt::format("time is up: the next pass would end {:.1f} s after the limit", beyond);
     }
 
     // Copies the image of the completed passes where the running pass may be given up, or where it costs little.
