@@ -6,7 +6,7 @@
 In a Markdown file, a block that opens with ```sh and is preceded by the comment <!-- tested --> is run by bash, line by
 line as written, in a temporary folder where `dapple` is on the path and `scenes` is the project's folder. All blocks of
 one file share the folder. A block preceded by <!-- tested: fails N --> must end with exit status N. Without files: README,
-CONTRIBUTING and all of docs.
+CONTRIBUTING and all of docs, and docs/integrators.md must be what `dapple integrators --markdown` prints.
 """
 import os
 import pathlib
@@ -38,6 +38,14 @@ def run_file(path, program, root):
     return len(blocks), findings
 
 
+def generated_findings(program, root):
+    path = root / "docs" / "integrators.md"
+    printed = subprocess.run([program, "integrators", "--markdown"], capture_output=True, text=True, check=True).stdout
+    if path.exists() and path.read_text() == printed:
+        return []
+    return ["docs/integrators.md is out of date: dapple integrators --markdown > docs/integrators.md"]
+
+
 def main():
     if len(sys.argv) < 2:
         print(__doc__)
@@ -46,7 +54,7 @@ def main():
     program = pathlib.Path(sys.argv[1]).resolve()
     files = [pathlib.Path(name).resolve() for name in sys.argv[2:]]
     files = files or [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
-    count, findings = 0, []
+    count, findings = 0, generated_findings(program, root) if len(sys.argv) == 2 else []
     for path in files:
         blocks, found = run_file(path, program, root)
         count += blocks

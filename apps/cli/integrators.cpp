@@ -19,6 +19,11 @@ void print_text(const IntegratorEntry& entry)
     fmt::print("\n");
 }
 
+constexpr const char* markdown_head =
+    "# Integrators\n\nPrinted by `dapple integrators --markdown`; a test holds this page to it. Numbers may end in k, "
+    "M or "
+    "G; where the\ndefault is auto, the scene decides.\n\n";
+
 void print_markdown(const IntegratorEntry& entry)
 {
     fmt::print("## {}\n\n{}.\n\n| setting | default | unit | values | meaning |\n|---|---|---|---|---|\n", entry.name,
@@ -48,6 +53,7 @@ Command add_integrators(CLI::App& app)
     parser->add_flag("--markdown", options->markdown, "as tables for the documentation");
     return {parser, [options] {
                 const IntegratorEntry* only = options->name.empty() ? nullptr : &find_integrator(options->name);
+                if (options->markdown) fmt::print("{}", markdown_head);
                 for (const IntegratorEntry& entry : integrator_registry())
                     if (!only || entry.name == only->name)
                         options->markdown ? print_markdown(entry) : print_text(entry);
