@@ -39,11 +39,13 @@ Vec3 mesh_error_bound(const Vec3& p0, const Vec3& p1, const Vec3& p2)
     const float twice_area = length(cross(e1, e2));
     constexpr float sliver_limit = 64.0f;
     const float sliver = twice_area * sliver_limit > longest ? longest / twice_area : sliver_limit;
+    // Not zero even where the triangle lies in a coordinate plane: rays must leave it, not start in it.
+    const float least = 0x1p-24f * std::sqrt(longest);
     Vec3 bound;
     for (int axis = 0; axis < 3; ++axis) {
         const float largest = std::max({std::fabs(p0[axis]), std::fabs(p1[axis]), std::fabs(p2[axis])});
         const float extent = std::max({p0[axis], p1[axis], p2[axis]}) - std::min({p0[axis], p1[axis], p2[axis]});
-        bound[axis] = 0x1p-24f * (4.0f * largest + 4.0f * sliver * extent);
+        bound[axis] = std::max(least, 0x1p-24f * (4.0f * largest + 4.0f * sliver * extent));
     }
     return bound;
 }
