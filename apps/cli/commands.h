@@ -28,6 +28,9 @@ Command add_integrators(CLI::App& app);
 // Reads a scene with the volumes that it names. Throws UserError.
 scene::Description read_scene(const std::string& path);
 
+// Whether this processor has what the program was built for.
+bool processor_suffices();
+
 // "dapple 0.1.0 (commit abc1234, release)".
 std::string version_line();
 

@@ -8,29 +8,17 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <string_view>
-
 namespace dapple::cli {
 namespace {
 
-// The features of x86-64-v3 that matter here; the program is built for it by default.
-bool print_cpu_features()
+void print_processor()
 {
 #if defined(__x86_64__)
-    const std::array<std::pair<std::string_view, bool>, 4> features = {
-        {{"avx2", __builtin_cpu_supports("avx2") != 0},
-         {"fma", __builtin_cpu_supports("fma") != 0},
-         {"bmi2", __builtin_cpu_supports("bmi2") != 0},
-         {"avx512f", __builtin_cpu_supports("avx512f") != 0}}};
-    fmt::print("processor     ");
-    for (const auto& [name, has] : features) fmt::print("{}{} ", has ? "" : "no ", name);
-    fmt::print("\n");
-    const bool needed = build_info::architecture == "x86-64-v3";
-    return !needed || (features[0].second && features[1].second && features[2].second);
+    fmt::print("processor     {}avx2 {}fma {}bmi2 {}avx512f\n", __builtin_cpu_supports("avx2") ? "" : "no ",
+               __builtin_cpu_supports("fma") ? "" : "no ", __builtin_cpu_supports("bmi2") ? "" : "no ",
+               __builtin_cpu_supports("avx512f") ? "" : "no ");
 #else
     fmt::print("processor     not x86-64\n");
-    return true;
 #endif
 }
 
@@ -42,10 +30,9 @@ int doctor()
     fmt::print("libraries     ");
     for (const auto& [name, version] : build_info::libraries) fmt::print("{} {}  ", name, version);
     fmt::print("\nthreads       {}\n", thread_count());
-    bool good = print_cpu_features();
-    if (!good)
-        fmt::print("problem       this processor lacks what the program was built for; build with -DDAPPLE_ARCH=\n");
+    print_processor();
 
+    bool good = true;
     set_log_level(LogLevel::silent);
     for (const SelfCheck& check : run_self_checks()) {
         fmt::print("check         {}: {} ({})\n", check.name, check.passed ? "right" : "WRONG", check.detail);
@@ -56,6 +43,16 @@ int doctor()
 }
 
 }  // namespace
+
+bool processor_suffices()
+{
+#if defined(__x86_64__)
+    return build_info::architecture != "x86-64-v3" ||
+           (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"));
+#else
+    return true;
+#endif
+}
 
 Command add_doctor(CLI::App& app)
 {

@@ -92,6 +92,8 @@ int main(int argc, char** argv)
 {
     using namespace dapple::cli;
     try {
+        if (!processor_suffices())
+            return report("this processor lacks AVX2, FMA or BMI2; build with -DDAPPLE_ARCH= for it", exit_failure);
         return run(argc, argv);
     } catch (const dapple::UserError& error) {
         return report(error.what(), exit_bad_input);

@@ -64,7 +64,8 @@ StopRequests* stop_requests = nullptr;
 
 void on_interrupt(int) { stop_requests->add(); }
 
-// Ctrl-C and SIGTERM ask to stop for as long as this lives.
+// Ctrl-C and SIGTERM ask to stop for as long as this lives; a reader of our progress that goes away is no reason to
+// end.
 class InterruptHandler {
 public:
     explicit InterruptHandler(StopRequests& requests)
@@ -74,11 +75,14 @@ public:
         action.sa_handler = on_interrupt;
         sigaction(SIGINT, &action, &old_interrupt_);
         sigaction(SIGTERM, &action, &old_terminate_);
+        action.sa_handler = SIG_IGN;
+        sigaction(SIGPIPE, &action, &old_pipe_);
     }
     ~InterruptHandler()
     {
         sigaction(SIGINT, &old_interrupt_, nullptr);
         sigaction(SIGTERM, &old_terminate_, nullptr);
+        sigaction(SIGPIPE, &old_pipe_, nullptr);
         stop_requests = nullptr;
     }
     InterruptHandler(const InterruptHandler&) = delete;
@@ -87,6 +91,7 @@ public:
 private:
     struct sigaction old_interrupt_ = {};
     struct sigaction old_terminate_ = {};
+    struct sigaction old_pipe_ = {};
 };
 
 std::vector<std::pair<std::string, std::string>> split_definitions(const std::vector<std::string>& texts)
@@ -144,7 +149,8 @@ int render(const Options& options, const std::string& command_line)
         check_output_paths(outputs);
     }
     const StopRule stop = stop_rule(options, description);
-    const uint64_t seed = options.seed.value_or(static_cast<uint64_t>(description.options.seed));
+    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
+    const uint64_t seed = options.seed.value_or(static_cast<uint64_t>(scene_seed));
 
     CompileReport compiled;
     const std::unique_ptr<World> world = compile(description, &compiled);

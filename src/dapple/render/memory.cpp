@@ -30,7 +30,7 @@ void check_memory(uint64_t limit, const CompileReport& report, const FilmSetting
     if (limit == 0) return;
     const uint64_t scene = scene_bytes(report);
     const uint64_t film = film_bytes(settings);
-    if (scene + film > limit)
+    if (scene + film >= limit)
         throw UserError(
             fmt::format("--memory {} is not enough: the scene takes {}, the film {} (fewer --layers or a "
                         "smaller --resolution take less)",

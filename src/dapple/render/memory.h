@@ -9,7 +9,7 @@
 
 namespace dapple {
 
-// Bytes of the film's sums (128 bits per pixel and channel).
+// Bytes of the film's sums (128 bits per pixel and channel), at most: layers that stay black take none.
 uint64_t film_bytes(const FilmSettings& settings);
 
 // Bytes of geometry, accelerator, textures and media.

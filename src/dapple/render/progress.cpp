@@ -16,6 +16,13 @@ namespace {
 constexpr int terminal_bar_width = 24;
 constexpr double seconds_between_lines = 5.0;
 
+// Errors are left alone: a render does not end because nobody reads of its progress any more.
+void put(std::FILE* stream, const std::string& text)
+{
+    std::fputs(text.c_str(), stream);
+    std::fflush(stream);
+}
+
 class BarProgress final : public Progress {
 public:
     explicit BarProgress(bool terminal) : terminal_(terminal) {}
@@ -29,8 +36,7 @@ public:
     void update(const ProgressState& state) override
     {
         if (terminal_) {
-            fmt::print(stderr, "\r\x1b[K{}", format_progress(state, terminal_bar_width));
-            std::fflush(stderr);
+            put(stderr, fmt::format("\r\x1b[K{}", format_progress(state, terminal_bar_width)));
             bar_shown_ = true;
         } else if (state.elapsed - last_line_ >= seconds_between_lines) {
             last_line_ = state.elapsed;
@@ -53,8 +59,7 @@ public:
 private:
     void print_line(const std::string& text)
     {
-        fmt::print(stderr, "{}{}\n", bar_shown_ ? "\r\x1b[K" : "", text);
-        std::fflush(stderr);
+        put(stderr, fmt::format("{}{}\n", bar_shown_ ? "\r\x1b[K" : "", text));
         bar_shown_ = false;
     }
 
@@ -93,11 +98,7 @@ public:
     }
 
 private:
-    static void print(const std::string& line)
-    {
-        fmt::print("{}\n", line);
-        std::fflush(stdout);
-    }
+    static void print(const std::string& line) { put(stdout, line + "\n"); }
 };
 
 class NoProgress final : public Progress {

@@ -1,0 +1,58 @@
+// The memory ceiling: what does not fit is refused with its parts, what is left goes to the integrator.
+#include "dapple/render/memory.h"
+
+#include "dapple/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace dapple {
+namespace {
+
+constexpr std::array<SettingInfo, 1> table = {{{"memory", "bytes", "auto", "> 0", "ceiling of the photon maps"}}};
+
+class Memory : public testing::Test {
+protected:
+    Memory()
+    {
+        film_.resolution = film_.crop_max = Int2(100, 10);
+        film_.class_layers = film_.guide_layers = false;
+        report_.geometry_bytes = 1000;
+        report_.texture_bytes = 500;
+        choice_.entry = &entry_;
+        choice_.settings = Settings(table);
+    }
+
+    IntegratorEntry entry_{"fake", "", table, true, true, nullptr};
+    IntegratorChoice choice_;
+    FilmSettings film_;
+    CompileReport report_;
+};
+
+TEST_F(Memory, IsCountedByParts)
+{
+    EXPECT_EQ(film_bytes(film_), 100u * 10 * 3 * 16);
+    film_.crop_max = Int2(50, 10);
+    EXPECT_EQ(film_bytes(film_), 50u * 10 * 3 * 16);
+    EXPECT_EQ(scene_bytes(report_), 1500u);
+}
+
+TEST_F(Memory, RefusesWhatDoesNotFit)
+{
+    EXPECT_NO_THROW(check_memory(0, report_, film_, choice_));
+    EXPECT_THROW(check_memory(49499, report_, film_, choice_), UserError);
+    EXPECT_NO_THROW(check_memory(49501, report_, film_, choice_));
+}
+
+TEST_F(Memory, WhatIsLeftGoesToTheIntegrator)
+{
+    check_memory(100000, report_, film_, choice_);
+    EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 49500);
+    choice_.settings.set("memory", "7");
+    check_memory(100000, report_, film_, choice_);
+    EXPECT_EQ(choice_.settings.integer("memory"), 7) << "the user's own value stays";
+}
+
+}  // namespace
+}  // namespace dapple
