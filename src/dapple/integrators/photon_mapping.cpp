@@ -45,6 +45,7 @@ constexpr SettingInfo settings_table[] = {
     {"irradiance", "", "true", "true|false", "precompute irradiance at photons for gather rays that meet matte surfaces"},
     {"wavelengthsets", "sets", "4", ">= 1", "sets of four wavelengths per epoch (spectral colour model)"},
     {"maxdepth", "scatterings", "100", ">= 0", "longest path, in scatterings"},
+    {"memory", "bytes", "auto", "> 0", "ceiling for the photon maps of an epoch: fewer photons per epoch rather than more"},
 };
 
 KernelKind kernel_named(std::string_view name)
@@ -74,7 +75,8 @@ public:
           kernel_(kernel_named(settings.word("kernel"))),
           irradiance_(settings.boolean("irradiance")),
           wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
-          max_depth_(static_cast<int>(settings.integer("maxdepth")))
+          max_depth_(static_cast<int>(settings.integer("maxdepth"))),
+          memory_(settings.is_auto("memory") ? 0 : settings.integer("memory"))
     {
         if (nearest_ == 1) throw UserError("setting 'nearest' needs 0 or at least 2 photons");
         if (world.has_scattering_media)
@@ -96,7 +98,7 @@ public:
 private:
     class EyePath;
 
-    PhotonMapPlan plan(const Film& film) const
+    PhotonMapPlan plan(const PassContext& context, const Film& film) const
     {
         PhotonMapPlan plan;
         const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
@@ -108,6 +110,7 @@ private:
         // Irradiance does not remember which light it came from.
         plan.precompute_irradiance = final_gather_ && irradiance_ && film.settings().light_groups.empty();
         plan.irradiance_bandwidth = global_bandwidth(infinity);
+        if (memory_ > 0) limit_memory(plan, context, film.settings().color_model, memory_);
         return plan;
     }
 
@@ -126,7 +129,7 @@ private:
         auto made = std::make_shared<Epoch>();
         made->index = index;
         made->shrinkage = static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(index) + 1)));
-        made->maps = trace_photon_maps(context, film.settings().color_model, plan(film), index);
+        made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film), index);
         if (!context.cancelled()) epoch_ = made;
         return made;
     }
@@ -143,6 +146,7 @@ private:
     bool irradiance_;
     int wavelength_sets_;
     int max_depth_;
+    int64_t memory_;  // [bytes], 0: no ceiling
 
     std::mutex mutex_;
     std::shared_ptr<const Epoch> epoch_;

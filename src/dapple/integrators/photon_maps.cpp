@@ -26,6 +26,33 @@ Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, 
     return choose_wavelengths(model, (static_cast<float>(set) + jitter) / static_cast<float>(sets * Spectrum::lanes));
 }
 
+void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)
+{
+    PhotonRequest request;
+    request.wavelengths = wavelengths_of_set(model, context.seed, 0, 0, plan.wavelength_sets);
+    request.seed = context.seed;
+    request.stream = hash_words(static_cast<uint64_t>(StreamPurpose::photon), uint64_t(0xffffffff));
+    request.paths = 8192;
+    request.max_depth = plan.max_depth;
+    double photons = 0.0, caustic = 0.0;
+    for (const auto& batch : trace_photons(context.world, request))
+        for (const Photon& photon : batch) {
+            photons += 1.0;
+            caustic += photon.path_class == static_cast<uint8_t>(PathClass::caustic);
+        }
+    const double per_path = 1.0 / static_cast<double>(request.paths);
+    const double stored = (photons + caustic) * per_path * static_cast<double>(plan.global_paths) +
+                          caustic * per_path * static_cast<double>(plan.caustic_paths);
+    // Kept: packed photons, and irradiance at a quarter of them. While a set is built: its photons as they were traced,
+    // with room to grow, and what sorting takes (photon_map.h).
+    const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 16) : 0.0);
+    const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
+    const double share = static_cast<double>(bytes) / std::max(stored * (kept + building), 1.0);
+    if (share >= 1.0) return;
+    plan.global_paths = std::max<int64_t>(plan.wavelength_sets, static_cast<int64_t>(plan.global_paths * share));
+    plan.caustic_paths = static_cast<int64_t>(plan.caustic_paths * share);
+}
+
 std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorModel model, const PhotonMapPlan& plan,
                                             uint32_t epoch)
 {

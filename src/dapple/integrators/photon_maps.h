@@ -39,6 +39,10 @@ inline int set_of_pixel(Int2 pixel, uint32_t pass, int sets)
                             static_cast<uint32_t>(sets));
 }
 
+// Lowers the numbers of paths until the maps of an epoch, and what building them takes, fit into `bytes`. Photons per
+// path are counted on a pilot of a few thousand paths, the same for every epoch.
+void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes);
+
 std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorModel model, const PhotonMapPlan& plan,
                                             uint32_t epoch);
 

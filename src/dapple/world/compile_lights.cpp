@@ -109,7 +109,8 @@ struct Fill {
     void operator()(const scene::GoniometricLight& light) const
     {
         out.kind = Light::Kind::goniometric;
-        place();
+        // pbrt-v4 has the image's pole, the z axis of the equal-area map, along the light's y axis.
+        place(Transform(Matrix4{{{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}}}}));
         out.spectrum = unit_spectrum(context, light.intensity, source.scale);
         if (light.file.empty())
             out.kind = Light::Kind::point;

@@ -36,6 +36,7 @@ struct Fill {
         out.albedo = reflectance(coat.albedo);
         out.layer_max_depth = static_cast<uint8_t>(std::clamp(coat.max_depth, 1, 255));
         out.layer_samples = static_cast<uint8_t>(std::clamp(coat.samples, 1, 255));
+        out.pbrt_coat_weights = context.description.options.pbrt_coat_weights;
     }
     template <class Metal>
     void metal(const Metal& metal) const

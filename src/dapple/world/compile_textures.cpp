@@ -156,12 +156,22 @@ SpectrumTextureId spectrum_texture(CompileContext& context, const scene::Spectru
     return SpectrumTextureId(nodes.size() - 1);
 }
 
-// Colour images are looked up in a table of spectra, which is made once and only where it is needed.
+// Colours of images and grids are looked up in a table of spectra, which is made once and only where it is needed.
 static void prepare_colors(CompileContext& context)
 {
-    for (const scene::SpectrumTexture& texture : context.description.spectrum_textures)
-        if (std::holds_alternative<scene::ImageTexture>(texture.kind))
-            return context.world.spectra.prepare_rgb(color_space_of(texture.color_space));
+    const scene::Description& description = context.description;
+    const auto prepare = [&](scene::ColorSpace space) { context.world.spectra.prepare_rgb(color_space_of(space)); };
+    for (const scene::SpectrumTexture& texture : description.spectrum_textures)
+        if (std::holds_alternative<scene::ImageTexture>(texture.kind)) return prepare(texture.color_space);
+    for (const scene::Medium& medium : description.media)
+        if (const auto* grid = std::get_if<scene::RgbGridMedium>(&medium.kind)) return prepare(grid->color_space);
+    for (const scene::AreaLight& light : description.area_lights)
+        if (!light.file.empty()) return prepare(light.color_space);
+    for (const scene::Light& light : description.lights) {
+        const auto* infinite = std::get_if<scene::InfiniteLight>(&light.kind);
+        if ((infinite && !infinite->file.empty()) || std::holds_alternative<scene::ProjectionLight>(light.kind))
+            return prepare(light.color_space);
+    }
 }
 
 void compile_textures(CompileContext& context)

@@ -70,9 +70,9 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
     if (!geometry.is_mesh) {
         const Primitive& primitive = primitives[geometry.first_primitive + hit.primitive];
         const PrimitiveHit primitive_hit{hit.t, hit.uv};
-        if (!placed) return dapple::surface_point(primitive, primitive_hit, ray.time);
+        if (!placed) return dapple::surface_point(primitive, ray, primitive_hit);
         return dapple::surface_point(
-            placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)), primitive_hit, ray.time);
+            placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)), ray, primitive_hit);
     }
     const Mesh& mesh = meshes[geometry.mesh];
     const uint32_t* index = &mesh.indices[size_t(hit.primitive) * 3];
