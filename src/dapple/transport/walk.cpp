@@ -124,11 +124,12 @@ void Walk::keep_only_lane()
 {
     if (single_lane_) return;
     single_lane_ = true;
-    Spectrum kept;
-    kept[kept_lane_] = throughput_[kept_lane_] * Spectrum::lanes;
-    throughput_ = kept;
-    path_pdf_ = Spectrum(path_pdf_[kept_lane_]);
-    light_pdf_ = Spectrum(light_pdf_[kept_lane_]);
+    // The other lanes could not have gone this way: their densities are zero, and all means are of the kept lane alone.
+    for (Spectrum* lanes : {&throughput_, &path_pdf_, &light_pdf_}) {
+        Spectrum kept;
+        kept[kept_lane_] = (*lanes)[kept_lane_] * Spectrum::lanes;
+        *lanes = kept;
+    }
 }
 
 bool Walk::survive_roulette(RandomStream& random)

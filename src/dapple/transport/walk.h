@@ -13,6 +13,8 @@
 // the same path had that lane decided, relative to the deciding lane's. A contribution is  throughput / mean(path_pdf)
 // (balance heuristic over lanes); `light_pdf` is the same for the path whose last direction light sampling chose, per
 // unit of light sampling density, so that MIS is  1 / mean(path_pdf + light_pdf * p_light). In vacuum path_pdf stays 1.
+// Where dispersion parts the lanes, the deciding one alone goes on: throughput and densities are times four there and
+// zero in the others, so that the same formulas hold.
 #pragma once
 
 #include "dapple/base/path_class.h"

@@ -1,0 +1,48 @@
+#include "small_scene.h"
+
+#include "dapple/transport/connect.h"
+
+namespace dapple {
+namespace {
+
+using test::SmallScene;
+
+// Dispersion leaves a walk one lane; the densities of the others must not weigh in the medium behind (a coloured
+// glass). An index that is 1 at all wavelengths, yet given as a table, bends and reflects nothing: what is left is
+// Beer's law.
+TEST(Walk, KeepsItsLaneUnbiasedInAColouredMediumBehindADispersiveSurface)
+{
+    SmallScene scene;
+    scene::DielectricMaterial glass;
+    glass.eta = scene::SpectrumSource(scene::Samples{{300, 600, 900}, {1, 1, 1}});
+    const scene::MaterialIndex dispersive = scene.material(glass);
+    const scene::MediumIndex coloured =
+        scene.absorber(scene::SpectrumSource(scene::Samples{{300, 500, 900}, {0.1f, 0.1f, 2.5f}}));
+    scene::Shape& ball = scene.shape(scene::Sphere{}, dispersive);
+    ball.inside = coloured;
+    ball.medium_interface = true;
+    scene.light(scene::InfiniteLight{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}});
+    const auto world = scene.world();
+
+    const Wavelengths wavelengths = Wavelengths::sample_visible(0.1f);
+    const Spectrum sky = emitted_environment(world->lights, world->spectra, LightId(0u), Vec3(0, 0, 1), wavelengths);
+    const Medium& medium = world->media.list[0];
+    const Spectrum expected = sky * exp(world->spectra.evaluate(medium.sigma_a, wavelengths) * -2.0f);
+    ASSERT_GT(expected.max(), 5.0f * expected.min()) << "the medium must be coloured";
+
+    Spectrum sum;
+    constexpr int count = 20000;
+    for (int i = 0; i < count; ++i) {
+        RandomStream random(1, 2, static_cast<uint32_t>(i));
+        Walk walk(Ray{Vec3(0, 0, -3), Vec3(0, 0, 1), 0.0f}, MediumId(), TransportMode::radiance, wavelengths, i % 4,
+                  Spectrum(1.0f));
+        while (walk.next(*world, random)) {
+        }
+        if (walk.escaped()) sum += met_environment(*world, walk, LightId(0u), true);
+    }
+    for (int lane = 0; lane < Spectrum::lanes; ++lane)
+        EXPECT_NEAR(sum[lane] / count, expected[lane], 0.03f * expected.max()) << "lane " << lane;
+}
+
+}  // namespace
+}  // namespace dapple
