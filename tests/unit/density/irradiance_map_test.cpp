@@ -1,0 +1,59 @@
+#include "dapple/density/irradiance_map.h"
+
+#include <gtest/gtest.h>
+
+#include "dapple/sampling/random_stream.h"
+
+namespace dapple {
+namespace {
+
+// An evenly lit unit square at z = 0, flux 1 W in all lanes, photons from above; and its dark underside.
+PhotonMap lit_square(int photons)
+{
+    std::vector<std::vector<Photon>> batches(1);
+    for (int i = 0; i < photons; ++i) {
+        RandomStream random(7, 1, static_cast<uint32_t>(i));
+        const Vec2 u = random.next_2d();
+        Photon photon;
+        photon.position = Vec3(u.x, u.y, 0.0f);
+        photon.flux = Spectrum(1.0f);
+        batches[0].push_back(photon);
+    }
+    return PhotonMap(std::move(batches), static_cast<uint64_t>(photons));
+}
+
+TEST(IrradianceMap, HoldsTheIrradianceOfALitSquare)
+{
+    const PhotonMap photons = lit_square(40000);
+    const IrradianceMap map(photons, {50, infinity, KernelKind::constant});
+    double sum = 0.0;
+    int count = 0;
+    for (float x = 0.2f; x < 0.8f; x += 0.05f)
+        for (float y = 0.2f; y < 0.8f; y += 0.05f) {
+            const IrradianceRecord* record = map.nearest(Vec3(x, y, 0.0f), Vec3(0, 0, 1));
+            ASSERT_NE(record, nullptr);
+            EXPECT_GT(record->radius, 0.0f);
+            sum += record->irradiance[0];
+            ++count;
+        }
+    // Each record has a standard error of 1 / sqrt(50); 144 of them, partly of the same photons.
+    EXPECT_NEAR(sum / count, 1.0, 0.05);
+}
+
+TEST(IrradianceMap, KeepsToItsSideAndItsReach)
+{
+    const PhotonMap photons = lit_square(4000);
+    const IrradianceMap map(photons, {50, infinity, KernelKind::constant});
+    EXPECT_EQ(map.nearest(Vec3(0.5f, 0.5f, 0.0f), Vec3(0, 0, -1)), nullptr);
+    EXPECT_EQ(map.nearest(Vec3(5.0f, 0.5f, 0.0f), Vec3(0, 0, 1), 1.0f), nullptr);
+    EXPECT_NE(map.nearest(Vec3(5.0f, 0.5f, 0.0f), Vec3(0, 0, 1)), nullptr);
+}
+
+TEST(IrradianceMap, OfNothingIsEmpty)
+{
+    const IrradianceMap map(PhotonMap(), {50, infinity, KernelKind::constant});
+    EXPECT_TRUE(map.empty());
+}
+
+}  // namespace
+}  // namespace dapple
