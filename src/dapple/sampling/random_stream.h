@@ -13,7 +13,7 @@ class RandomStream {
 public:
     // stream: which sequence (a pixel, or a purpose such as "photons of set 3"); index: which point of it.
     RandomStream(uint64_t seed, uint64_t stream, uint32_t index)
-        : key_(hash_words(seed, stream)), index_(index)
+        : key_(mix64(hash_words(seed, stream))), index_(index)
     {
     }
 
@@ -61,13 +61,16 @@ constexpr uint32_t owen_scramble(uint32_t x, uint32_t seed)
     return reverse_bits(owen_scramble_reversed(reverse_bits(x), seed));
 }
 
-// Second Sobol dimension (primitive polynomial x + 1): XOR of the direction numbers of the set bits.
-constexpr uint32_t sobol_second(uint32_t index)
+// Second Sobol dimension (primitive polynomial x + 1), bit-reversed, of the point `index`. Its generator matrix is
+// Pascal's triangle modulo 2, the Kronecker power of [1 1; 0 1]: five steps, one per factor.
+constexpr uint32_t sobol_second_reversed(uint32_t index)
 {
-    uint32_t result = 0;
-    for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
-        if (index & 1u) result ^= v;
-    return result;
+    index ^= (index >> 1) & 0x55555555u;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 4) & 0x0f0f0f0fu;
+    index ^= (index >> 8) & 0x00ff00ffu;
+    index ^= (index >> 16) & 0x0000ffffu;
+    return index;
 }
 
 constexpr float to_unit_float32(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
@@ -76,7 +79,7 @@ constexpr float to_unit_float32(uint32_t x) { return static_cast<float>(x >> 8) 
 
 inline Vec2 RandomStream::next_2d()
 {
-    const uint64_t h = hash_words(key_, dimension_);
+    const uint64_t h = mix64(key_ ^ dimension_);
     dimension_ += 2;
     if (dimension_ > low_discrepancy_dimensions) {
         const uint64_t bits = mix64(h ^ index_);
@@ -87,13 +90,14 @@ inline Vec2 RandomStream::next_2d()
     const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
     const uint64_t scramble = mix64(h);
     const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(scramble));
-    const uint32_t y = detail::owen_scramble(detail::sobol_second(shuffled), static_cast<uint32_t>(scramble >> 32));
-    return {detail::to_unit_float32(detail::reverse_bits(x)), detail::to_unit_float32(y)};
+    const uint32_t y = detail::owen_scramble_reversed(detail::sobol_second_reversed(shuffled),
+                                                      static_cast<uint32_t>(scramble >> 32));
+    return {detail::to_unit_float32(detail::reverse_bits(x)), detail::to_unit_float32(detail::reverse_bits(y))};
 }
 
 inline float RandomStream::next()
 {
-    const uint64_t h = hash_words(key_, dimension_);
+    const uint64_t h = mix64(key_ ^ dimension_);
     dimension_ += 1;
     if (dimension_ > low_discrepancy_dimensions)
         return detail::to_unit_float32(static_cast<uint32_t>(mix64(h ^ index_)));
