@@ -4,7 +4,7 @@
 // Rounds measure all parts one after the other, so that other load on the machine strikes all alike; medians are
 // printed, of CPU seconds (one thread, and two) and of wall seconds.
 // The linker puts record_* in the place of Embree's entries (--wrap, see CMakeLists.txt).
-// Usage: bench_rays [rounds] [scene folder] [integrators' name filter: path | photons]
+// Usage: bench_rays [rounds] [scene folder] [only lines that contain this, e.g. "cornell-box path"]
 #include "dapple/base/parallel.h"
 #include "dapple/formats/pbrt.h"
 #include "dapple/integrators/registry.h"
@@ -182,17 +182,21 @@ void measure(const std::string& name, const std::filesystem::path& file, int rou
         std::printf("%s: not here, left out\n", file.c_str());
         return;
     }
+    const auto wanted = [&](const char* algorithm) {
+        return (name + ' ' + algorithm).find(filter) != std::string::npos;
+    };
+    if (!wanted("path") && !wanted("photons")) return;
     scene::Description description = read_pbrt(file);
     set_resolution(description.film, "192x192");
     const std::unique_ptr<World> world = compile(description);
-    if (filter != "photons") {
+    if (wanted("path")) {
         const IntegratorEntry& entry = find_integrator("path");
         const std::unique_ptr<Integrator> integrator = entry.create(*world, Settings(entry.settings));
         Film film(film_settings(description, *world, LayerChoice{}, false, ColorModel::spectral));
         Statistics statistics;
         compare(name + " path", rounds, [&] { integrator->render_pass(PassContext{*world, 1, 0, statistics}, film); });
     }
-    if (filter != "path") {
+    if (wanted("photons")) {
         PhotonRequest request;
         request.wavelengths = Wavelengths::sample_visible(0.3f);
         request.paths = 50000;
