@@ -18,8 +18,9 @@ struct MeshTriangle {
 // The point with barycentric coordinates (b1, b2) of vertices 1 and 2, as Embree reports them.
 // n_geometric is cross(p1 - p0, p2 - p0) normalised, negated by flip; with shading normals it is turned to the side of
 // the interpolated one. dpdu and dpdv follow the uv; where these are degenerate they are an orthonormal tangent frame.
-// A triangle without area has some unit normal.
-SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time);
+// A triangle without area has some unit normal. Without tangents (SurfaceDetail) dpdu to dndv keep their defaults.
+SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time,
+                                SurfaceDetail detail = SurfaceDetail::tangents);
 
 // Absolute bound per axis of the height at which single-precision ray-triangle tests (Moeller and Trumbore 1997, as in
 // Embree) may still report a hit with this triangle for rays that leave one of its points: see mesh.cpp.

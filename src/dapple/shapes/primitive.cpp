@@ -92,8 +92,9 @@ bool sample_solid_angle(const Primitive& primitive, const Vec3& reference, const
 {
     if (detail::is_whole_sphere(primitive)) return detail::sphere_sample_solid_angle(primitive, reference, u, sample);
     if (primitive.kind == Kind::triangle) {
-        const double solid_angle = detail::triangle_sampled_solid_angle(primitive, reference);
-        if (solid_angle > 0.0) return detail::triangle_sample_solid_angle(primitive, reference, u, solid_angle, sample);
+        detail::SphericalTriangle triangle;
+        if (detail::find_spherical_triangle(primitive, reference, triangle))
+            return detail::triangle_sample_solid_angle(primitive, reference, triangle, u, sample);
     }
     sample = sample_area(primitive, u);
     const Vec3 wi = normalize(sample.position - reference);
@@ -105,8 +106,9 @@ float pdf_solid_angle(const Primitive& primitive, const Vec3& reference, const V
 {
     if (detail::is_whole_sphere(primitive)) return detail::sphere_pdf_solid_angle(primitive, reference, wi);
     if (primitive.kind == Kind::triangle) {
-        const double solid_angle = detail::triangle_sampled_solid_angle(primitive, reference);
-        if (solid_angle > 0.0) return static_cast<float>(1.0 / solid_angle);
+        detail::SphericalTriangle triangle;
+        if (detail::find_spherical_triangle(primitive, reference, triangle))
+            return static_cast<float>(1.0 / triangle.solid_angle);
     }
     return area_to_solid_angle(pdf_area(primitive, at), reference, at, wi, n);
 }

@@ -5,6 +5,8 @@
 #include "dapple/shapes/double_math.h"
 #include "dapple/shapes/primitive.h"
 
+#include <array>
+
 namespace dapple::detail {
 
 // Spheres, disks and cylinders (quadrics.cpp).
@@ -31,12 +33,19 @@ float patch_pdf_area(const Primitive& primitive, const Vec3& position);
 
 // Triangles (triangle.cpp).
 double triangle_area(const Primitive& primitive);
-SurfacePoint triangle_primitive_surface_point(const Primitive& primitive, const Vec2& barycentrics, float time);
+SurfacePoint triangle_primitive_surface_point(const Primitive& primitive, const Vec2& barycentrics, float time,
+                                              SurfaceDetail detail = SurfaceDetail::tangents);
 ShapeSample triangle_sample_area(const Primitive& primitive, const Vec2& u);
-// The solid angle of the triangle [sr] where it is sampled by solid angle, 0 where it is sampled by area.
-double triangle_sampled_solid_angle(const Primitive& primitive, const Vec3& reference);
-bool triangle_sample_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec2& u, double solid_angle,
-                                 ShapeSample& sample);
+// A triangle as a reference point sees it.
+struct SphericalTriangle {
+    std::array<Vec3d, 3> directions;  // unit, to the vertices
+    double volume;                    // their triple product, positive
+    double solid_angle;               // [sr]
+};
+// False where the triangle is to be sampled by area.
+bool find_spherical_triangle(const Primitive& primitive, const Vec3& reference, SphericalTriangle& triangle);
+bool triangle_sample_solid_angle(const Primitive& primitive, const Vec3& reference, const SphericalTriangle& triangle,
+                                 const Vec2& u, ShapeSample& sample);
 
 // The part of a SurfacePoint that a ShapeSample holds; pdf is left 0.
 inline ShapeSample to_sample(const SurfacePoint& point)

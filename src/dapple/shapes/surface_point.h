@@ -4,7 +4,13 @@
 #include "dapple/math/frame.h"
 #include "dapple/math/vec.h"
 
+#include <cstdint>
+
 namespace dapple {
+
+// Whether the tangents and what changes along them are wanted (bump and normal maps, anisotropic lobes), or are left
+// out because nothing will look at them.
+enum class SurfaceDetail : uint8_t { no_tangents, tangents };
 
 struct SurfacePoint {
     Vec3 position{0, 0, 0};
