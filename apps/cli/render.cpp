@@ -39,6 +39,7 @@ struct Options {
     ColorModel color_model = ColorModel::spectral;
     std::string layers = "all";
     bool half = false;
+    bool pbrt_coats = false;
     float exposure = 0;
     bool quiet = false;
     ProgressKind progress = ProgressKind::bar;
@@ -139,6 +140,7 @@ int render(const Options& options, const std::string& command_line)
     scene::Description description = read_scene(options.scene);
     for (const std::string& warning : description.warnings) log_warning("{}", warning);
     if (!options.resolution.empty()) set_resolution(description.film, options.resolution);
+    description.options.pbrt_coat_weights = options.pbrt_coats;
     if (!options.crop.empty()) set_crop(description.film, options.crop);
     IntegratorChoice choice = choose_integrator(description.integrator, options.integrator, definitions);
     for (const std::string& note : choice.notes) log_warning("{}", note);
@@ -211,13 +213,15 @@ Command add_render(CLI::App& app, const std::string& command_line)
     parser->add_option("--seed", o.seed, "another seed gives other noise; the same seed the same bits");
     parser->add_option("--threads", o.threads, "threads (default: all cores); the image does not depend on it")
         ->check(CLI::Range(1, 4096));
-    parser->add_option("--memory", o.memory, "ceiling, such as 8G; a scene that needs more is refused");
+    parser->add_option("--memory", o.memory,
+                       "ceiling, such as 8G: photon maps keep to it; a scene above it is refused");
     parser->add_option("--crop", o.crop, "x0,x1,y0,y1: parts of the image, or pixels if any is above 1");
     parser->add_option("--resolution", o.resolution, "WIDTHxHEIGHT instead of the scene's");
     const std::map<std::string, ColorModel> models = {{"spectral", ColorModel::spectral}, {"rgb", ColorModel::rgb}};
     parser->add_option("--color-model", o.color_model, "spectral (default) or rgb (no colour noise, no dispersion)")
         ->transform(CLI::CheckedTransformer(models).description(""));
     parser->add_option("--layers", o.layers, "all, or words of beauty,guides,classes,groups,photons");
+    parser->add_flag("--pbrt-coats", o.pbrt_coats, "rough coats as bright as pbrt-v4's (up to a few percent more)");
     parser->add_flag("--half", o.half, "16-bit floats in .exr files");
     parser->add_option("--exposure", o.exposure, "stops added in .png files")->check(CLI::Range(-100.0f, 100.0f));
     parser->add_flag("-q,--quiet", o.quiet, "print errors only");

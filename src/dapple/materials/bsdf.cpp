@@ -28,7 +28,8 @@ LayeredLobe<Base> layered(const Bsdf& b, const Base& base)
             .g = std::clamp(b.layer_g, -0.99f, 0.99f),
             .max_depth = b.layer_max_depth,
             .samples = std::max<int>(b.layer_samples, 1),
-            .seed = b.layer_seed};
+            .seed = b.layer_seed,
+            .pbrt_weights = b.pbrt_coat_weights};
 }
 auto coated_diffuse(const Bsdf& b) { return layered(b, DiffuseLobe{b.a}); }
 auto coated_conductor(const Bsdf& b) { return layered(b, ConductorLobe{b.a, b.b, b.base_roughness}); }

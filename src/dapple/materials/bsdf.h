@@ -39,6 +39,7 @@ struct Bsdf {
     bool dispersive = false;       // eta was taken at the path's kept lane: only that lane is valid
     uint8_t layer_max_depth = 10;  // layered kinds: scattering events of the random walk
     uint8_t layer_samples = 1;
+    bool pbrt_coat_weights = false;  // layered kinds: f as bright as pbrt's (layered.h); sample_bsdf is the same
     uint32_t layer_seed = 0;  // layered kinds: parts the random walks of different points
     Frame frame;              // shading frame, n on the outside
     Vec3 n_geometric{0, 0, 1};

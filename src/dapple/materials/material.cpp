@@ -81,6 +81,7 @@ Vec3 mapped_normal(const Image& map, const SurfacePoint& at)
 
 Frame shading_frame(const Materials& materials, const Material& material, const SurfacePoint& at)
 {
+    if (!uses_tangents(material)) return Frame(at.n_shading);
     Vec3 n = at.n_shading;
     if (material.normal_map != Id<int>::none_value)
         n = mapped_normal(materials.textures.images[material.normal_map], at);
@@ -125,6 +126,7 @@ void set_layers(Bsdf& bsdf, const Material& material, const Lookup& look)
 {
     bsdf.layer_max_depth = material.layer_max_depth;
     bsdf.layer_samples = material.layer_samples;
+    bsdf.pbrt_coat_weights = material.pbrt_coat_weights;
     bsdf.layer_thickness = std::max(0.0f, look.number(material.thickness));
     bsdf.layer_g = std::clamp(look.number(material.g), -1.0f, 1.0f);
     bsdf.layer_albedo = look.share(material.albedo);
@@ -146,6 +148,31 @@ MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfaceP
         id = material.mix[u < amount ? 1 : 0];
     }
     return id;
+}
+
+bool uses_tangents(const Material& material)
+{
+    const auto differ = [](FloatTextureId u, FloatTextureId v) { return v.valid() && v != u; };
+    return material.displacement.valid() || material.normal_map != Id<int>::none_value ||
+           differ(material.u_roughness, material.v_roughness) ||
+           differ(material.coat_u_roughness, material.coat_v_roughness);
+}
+
+bool uses_tangents(const Materials& materials, MaterialId id)
+{
+    // Materials of a mix come before it or after it, and mixes may form a circle: each is looked at once.
+    std::vector<bool> seen(materials.list.size(), false);
+    std::vector<MaterialId> open{id};
+    while (!open.empty()) {
+        const MaterialId next = open.back();
+        open.pop_back();
+        if (!next.valid() || seen[next.value]) continue;
+        seen[next.value] = true;
+        const Material& material = materials.list[next.value];
+        if (material.kind != Material::Kind::mix && uses_tangents(material)) return true;
+        if (material.kind == Material::Kind::mix) open.insert(open.end(), {material.mix[0], material.mix[1]});
+    }
+    return false;
 }
 
 Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,

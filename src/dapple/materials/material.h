@@ -29,6 +29,7 @@ struct Material {
     bool conductor_from_reflectance = false;  // `reflectance` given in place of eta and k
     uint8_t layer_max_depth = 10;
     uint8_t layer_samples = 1;
+    bool pbrt_coat_weights = false;  // see Bsdf
     SpectrumTextureId reflectance;    // diffuse kinds, coats, conductor (as reflectance)
     SpectrumTextureId transmittance;  // diffuse_transmission
     SpectrumTextureId eta;            // conductors (spectrum)
@@ -52,6 +53,11 @@ struct Materials {
 
 // The material met at a point: follows `mix`, choosing by a hash of the point, so that eye and light paths agree.
 MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfacePoint& at);
+
+// Whether make_bsdf looks at the tangents of the surface point: bumped, normal-mapped or anisotropic materials.
+bool uses_tangents(const Material& material);
+// The same of any material that a mix may resolve to.
+bool uses_tangents(const Materials& materials, MaterialId id);
 
 // The Bsdf at a surface point; applies bump and normal maps to the frame. kept_lane: the lane at which a dispersive
 // index is taken (spectral model).

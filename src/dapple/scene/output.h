@@ -83,6 +83,7 @@ struct Options {
     bool disable_pixel_jitter = false;
     bool disable_wavelength_jitter = false;
     bool force_diffuse = false;
+    bool pbrt_coat_weights = false;  // rough coats as bright as pbrt-v4's, which are not quite right; no file sets it
 };
 
 }  // namespace dapple::scene
