@@ -14,6 +14,7 @@ void trace_one(const World& world, const PhotonRequest& request, int64_t index, 
     Walk walk;
     if (!emit(world, request.wavelengths, random, walk)) return;
     while (const Vertex* vertex = walk.next(world, random)) {
+        if (request.caustic_only && walk.events().diffuse > 0) return;
         if (vertex->on_surface && !vertex->is_delta()) {
             PathEvents events = walk.events();
             events.add_surface(false);
@@ -22,7 +23,7 @@ void trace_one(const World& world, const PhotonRequest& request, int64_t index, 
                 out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
                                walk.arriving(), static_cast<uint8_t>(walk.light_group.value),
                                static_cast<uint8_t>(path_class)});
-            if (request.caustic_only) return;
+            if (request.caustic_only && !vertex->has_delta_lobe()) return;
         }
         if (walk.depth() >= request.max_depth || !walk.survive_roulette(random)) return;
     }

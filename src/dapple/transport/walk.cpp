@@ -4,6 +4,13 @@
 
 namespace dapple {
 
+bool Vertex::has_delta_lobe() const
+{
+    if (is_delta()) return true;
+    const bool coated = bsdf.kind == BsdfKind::coated_diffuse || bsdf.kind == BsdfKind::coated_conductor;
+    return on_surface && coated && (bsdf.eta == 1.0f || bsdf.roughness.smooth());
+}
+
 Walk::Walk(const Ray& ray, MediumId medium, TransportMode mode, const Wavelengths& wavelengths, int kept_lane,
            const Spectrum& source)
     : ray_(ray),

@@ -39,6 +39,8 @@ struct Vertex {
 
     // Nothing can be connected to or stored at this vertex.
     bool is_delta() const { return on_surface && bsdf.is_delta(); }
+    // A walk may leave by a delta lobe: the mirror reflection of a smooth coat counts, whatever lies beneath it.
+    bool has_delta_lobe() const;
 };
 
 class Walk {

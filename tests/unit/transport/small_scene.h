@@ -12,21 +12,16 @@ public:
     SmallScene() { description.materials.emplace_back(); }
 
     template <class Kind>
-    scene::MaterialIndex material(Kind kind)
+    scene::MaterialIndex material(const Kind& kind)
     {
-        scene::Material material;
-        material.kind = std::move(kind);
-        description.materials.push_back(std::move(material));
+        description.materials.emplace_back().kind = kind;
         return scene::MaterialIndex(description.materials.size() - 1);
     }
-    scene::MediumIndex absorber(scene::SpectrumSource sigma_a)
+    scene::MediumIndex absorber(const scene::SpectrumSource& sigma_a)
     {
-        scene::HomogeneousMedium kind;
-        kind.sigma_a = std::move(sigma_a);
-        kind.sigma_s = scene::SpectrumSource(scene::Constant{0.0f});
-        scene::Medium medium;
-        medium.kind = std::move(kind);
-        description.media.push_back(std::move(medium));
+        scene::HomogeneousMedium& medium = description.media.emplace_back().kind.emplace<scene::HomogeneousMedium>();
+        medium.sigma_a = sigma_a;
+        medium.sigma_s = scene::SpectrumSource(scene::Constant{0.0f});
         return scene::MediumIndex(description.media.size() - 1);
     }
     scene::Light& light(decltype(scene::Light::kind) kind)

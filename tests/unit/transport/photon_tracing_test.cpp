@@ -1,0 +1,51 @@
+#include "dapple/transport/photon_tracing.h"
+
+#include "small_scene.h"
+
+namespace dapple {
+namespace {
+
+using test::SmallScene;
+
+struct CausticLight {
+    double flux = 0.0;
+    int photons = 0;
+};
+
+CausticLight caustic_light(const World& world, bool caustic_only)
+{
+    PhotonRequest request;
+    request.wavelengths = Wavelengths::rgb();
+    request.stream = caustic_only ? 1 : 2;
+    request.paths = 60'000;
+    request.caustic_only = caustic_only;
+    CausticLight sum;
+    for (const auto& batch : trace_photons(world, request))
+        for (const Photon& photon : batch) {
+            if (photon.path_class != static_cast<uint8_t>(PathClass::caustic)) {
+                EXPECT_FALSE(caustic_only) << "a photon that is no caustic";
+                continue;
+            }
+            ++sum.photons;
+            sum.flux += static_cast<double>(photon.flux.average());
+        }
+    return sum;
+}
+
+// Both kinds of passes feed one caustic map, so they must agree on what a caustic is: the mirror reflection of a smooth
+// coat makes one, though the coat's base scatters.
+TEST(PhotonTracing, FindsTheCausticsOfCoatsInCausticPassesToo)
+{
+    SmallScene scene;
+    scene.square(0.0f, 2.0f, scene.material(scene::CoatedDiffuseMaterial{}));
+    scene.square(4.0f, 20.0f, scene.material(scene::DiffuseMaterial{}));
+    scene.light(scene::SpotLight{scene::SpectrumSource(scene::Constant{1.0f}), Vec3(0, 0, 2), Vec3(0, 0, 0)});
+    const auto world = scene.world();
+    const CausticLight global = caustic_light(*world, false);
+    const CausticLight alone = caustic_light(*world, true);
+    ASSERT_GT(global.photons, 1000);
+    EXPECT_NEAR(alone.flux / global.flux, 1.0, 5.0 / std::sqrt(static_cast<double>(global.photons)));
+}
+
+}  // namespace
+}  // namespace dapple
