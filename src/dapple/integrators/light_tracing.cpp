@@ -50,14 +50,15 @@ private:
         Walk eye = start_at_camera(world, sample.raster, sample.wavelengths, sample.random);
         GuideRecorder guides(world, sample);
         while (const Vertex* vertex = eye.next(world, sample.random)) {
+            if (eye.events().diffuse > 0) return;  // a coated surface was left by its diffuse part
             guides.see(*vertex);
             if (vertex->emitter.valid())
                 sample.add(met_emission(world, eye, false), PathClass::emission,
                            world.lights.list[vertex->emitter.value].group);
-            if (!vertex->is_delta() || eye.depth() > max_depth_) return;
+            if (!vertex->has_delta_lobe() || eye.depth() > max_depth_) return;
             if (eye.depth() > 1 && !eye.survive_roulette(sample.random)) return;
         }
-        if (!eye.escaped()) return;
+        if (!eye.escaped() || eye.events().diffuse > 0) return;
         for (LightId light : world.environments)
             sample.add(met_environment(world, eye, light, false), PathClass::emission,
                        world.lights.list[light.value].group);

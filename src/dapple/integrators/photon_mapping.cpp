@@ -171,17 +171,19 @@ public:
         Walk eye = start_at_camera(world_, sample_.raster, sample_.wavelengths, sample_.random);
         GuideRecorder guides(world_, sample_);
         while (const Vertex* vertex = eye.next(world_, sample_.random)) {
+            if (eye.events().diffuse > 0) return;  // a coated surface was left by its diffuse part: the map had that
             guides.see(*vertex);
             distance_ += vertex->distance;
             add_emission(eye, false);
             if (eye.depth() > settings_.max_depth_) return;
             if (!vertex->is_delta()) {
-                settings_.final_gather_ ? gather(eye) : show_map(eye);
-                return;
+                if (settings_.final_gather_) return gather(eye);
+                show_map(eye);
+                if (!vertex->has_delta_lobe()) return;  // what a smooth coat mirrors is seen further on
             }
             if (eye.depth() > 1 && !eye.survive_roulette(sample_.random)) return;
         }
-        add_escaped(eye, false);
+        if (eye.events().diffuse == 0) add_escaped(eye, false);
     }
 
 private:
@@ -262,8 +264,10 @@ private:
         if (note_support) note(support);
     }
 
+    // Of the first estimate of the eye path.
     void note(const EstimateSupport& support)
     {
+        if (sample_.sums.radius > 0.0f) return;
         sample_.sums.photon_density += support.density;
         sample_.sums.radius += support.radius;
     }
@@ -294,7 +298,8 @@ private:
             if (!in_caustic_map) add_emission(walk, true);
             if (walk.depth() > settings_.max_depth_) return;
             if (!vertex->is_delta()) {
-                if (add_from_global_map(walk, since_last)) return;
+                // What a smooth coat mirrors is seen sharply, as from the eye.
+                if (walk.events().diffuse > 0 && add_from_global_map(walk, since_last)) return;
                 add_direct(walk);
                 add_caustics(walk, false);
                 since_last = 0.0f;

@@ -1,0 +1,70 @@
+// Small pictures of small scenes, where the integrators must agree.
+#include "../transport/small_scene.h"
+
+#include "dapple/film/film.h"
+#include "dapple/integrators/integrator.h"
+
+namespace dapple {
+namespace {
+
+using test::SmallScene;
+using Definitions = std::vector<std::pair<std::string, std::string>>;
+
+// The mean over the picture of all channels.
+double mean_of_render(const World& world, std::string_view integrator, const Definitions& definitions, uint32_t passes)
+{
+    const IntegratorEntry& entry = find_integrator(integrator);
+    Settings settings(entry.settings);
+    for (const auto& [name, value] : definitions) settings.set(name, value);
+    const std::unique_ptr<Integrator> algorithm = entry.create(world, settings);
+    FilmSettings film_settings;
+    film_settings.resolution = film_settings.crop_max = world.camera.resolution;
+    film_settings.color_model = ColorModel::rgb;
+    film_settings.sensor = make_sensor("cie1931", "srgb", 0.0f, 1.0f);
+    Film film(film_settings);
+    Statistics statistics;
+    for (uint32_t pass = 0; pass < passes; ++pass) {
+        algorithm->render_pass(PassContext{world, 1, pass, statistics}, film);
+        film.end_pass();
+    }
+    EXPECT_EQ(film.accidents().eye_sample, 0u);
+    const Image image = film.beauty();
+    double sum = 0.0;
+    for (const float value : image.pixels) sum += static_cast<double>(value);
+    return sum / static_cast<double>(image.pixels.size());
+}
+
+SmallScene scene_seen_from_above(int resolution)
+{
+    SmallScene scene;
+    scene.description.film.resolution = Int2(resolution, resolution);
+    // Camera at z = 4, looking down.
+    Matrix4 down;
+    down.m[1][1] = down.m[2][2] = -1.0;
+    down.m[2][3] = 4.0;
+    scene.description.camera.world_from_camera = {down, down};
+    scene.description.camera.fov = 40.0f;
+    return scene;
+}
+
+// The sky mirrored in a smooth coat is light seen through a delta lobe: every integrator must show it, though the
+// surface as a whole is not a delta.
+TEST(Integrators, ShowTheSkyMirroredInACoat)
+{
+    SmallScene scene = scene_seen_from_above(8);
+    scene::CoatedDiffuseMaterial varnish;
+    varnish.reflectance = scene::SpectrumInput(0.0f);
+    scene.square(0.0f, 20.0f, scene.material(varnish));
+    scene.light(scene::InfiniteLight{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}});
+    const auto world = scene.world();
+    const double path = mean_of_render(*world, "path", {}, 256);
+    ASSERT_GT(path, 0.0);
+    EXPECT_NEAR(mean_of_render(*world, "lightpath", {}, 256) / path, 1.0, 0.1);
+    const Definitions shown = {{"finalgather", "false"}, {"photons", "1000"}};
+    const Definitions gathered = {{"photons", "1000"}, {"gatherrays", "1"}};
+    EXPECT_NEAR(mean_of_render(*world, "photonmap", shown, 256) / path, 1.0, 0.1);
+    EXPECT_NEAR(mean_of_render(*world, "photonmap", gathered, 256) / path, 1.0, 0.1);
+}
+
+}  // namespace
+}  // namespace dapple
