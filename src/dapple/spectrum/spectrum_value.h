@@ -89,8 +89,13 @@ inline Spectrum SpectrumPool::evaluate(const SpectrumValue& value, const Wavelen
 {
     if (wavelengths.model == ColorModel::rgb) return {value.rgb.x, value.rgb.y, value.rgb.z, value.rgb.y};
     if (value.kind == SpectrumValue::Kind::constant) return Spectrum(value.scale);
-    Spectrum result;
-    for (int i = 0; i < Spectrum::lanes; ++i) result[i] = evaluate(value, wavelengths.lambda[i]);
+    Spectrum result(value.scale);
+    if (value.kind != SpectrumValue::Kind::table) {
+        const SigmoidCoefficients sigmoid{{value.c[0], value.c[1], value.c[2]}};
+        for (int i = 0; i < Spectrum::lanes; ++i) result.v[i] *= sigmoid.at(wavelengths.lambda[i]);
+    }
+    if (value.kind != SpectrumValue::Kind::albedo)
+        for (int i = 0; i < Spectrum::lanes; ++i) result.v[i] *= table_at(value.table, wavelengths.lambda[i]);
     return result;
 }
 

@@ -9,10 +9,11 @@ Wavelengths Wavelengths::sample_visible(float u)
     for (int i = 0; i < Spectrum::lanes; ++i) {
         float offset = u + static_cast<float>(i) / Spectrum::lanes;
         if (offset >= 1.0f) offset -= 1.0f;
-        const float lambda = 538.0f - 138.888889f * std::atanh(0.85691062f - 1.82750197f * offset);
+        const float x = 0.85691062f - 1.82750197f * offset;
+        // 1 / 0.0072 = 138.888889, times artanh x = log((1 + x) / (1 - x)) / 2
+        const float lambda = 538.0f - 69.4444444f * std::log((1.0f + x) / (1.0f - x));
         result.lambda[i] = std::clamp(lambda, lambda_min, lambda_max);
-        const float c = std::cosh(0.0072f * (result.lambda[i] - 538.0f));
-        result.pdf[i] = 0.0039398042f / (c * c);
+        result.pdf[i] = 0.0039398042f * (1.0f - x * x);  // cosh(artanh x)^2 = 1 / (1 - x^2)
     }
     return result;
 }
