@@ -1,6 +1,6 @@
-// Lights of the scene, and the lights that emissive shapes become. Scales follow pbrt-v4: a spectrum gives the colour and,
-// divided by its photometric scale, a luminance (intensity) of 1; `scale` multiplies; `power` and `illuminance` set the
-// absolute amount.
+// Lights of the scene, and the lights that emissive shapes become. Scales follow pbrt-v4: a spectrum gives the colour
+// and, divided by its photometric scale, a luminance (intensity) of 1; `scale` multiplies; `power` and `illuminance`
+// set the absolute amount.
 #include "dapple/base/log.h"
 #include "dapple/image/image_file.h"
 #include "dapple/lights/make_light.h"
@@ -115,9 +115,8 @@ struct Fill {
         if (light.file.empty())
             out.kind = Light::Kind::point;
         else
-            out.image = light_image(context, light.file, source.at, [&](Image pixels) {
-                return make_goniometric_image(std::move(pixels), source.at);
-            });
+            out.image = light_image(context, light.file, source.at,
+                                    [&](Image pixels) { return make_goniometric_image(std::move(pixels), source.at); });
         scale_to_power();
     }
     void operator()(const scene::ProjectionLight& light) const
@@ -134,8 +133,8 @@ struct Fill {
 
 }  // namespace
 
-LightId compile_area_lights(CompileContext& context, const scene::Shape& shape, const std::vector<Primitive>& primitives,
-                            MediumId outside)
+LightId compile_area_lights(CompileContext& context, const scene::Shape& shape,
+                            const std::vector<Primitive>& primitives, MediumId outside, MediumId inside)
 {
     const scene::AreaLight& source = context.description.area_lights[shape.area_light.value];
     Lights& lights = context.world.lights;
@@ -144,6 +143,7 @@ LightId compile_area_lights(CompileContext& context, const scene::Shape& shape, 
     light.two_sided = source.two_sided;
     light.group = light_group(context.world, source.light_group);
     light.medium = outside;
+    light.medium_inside = inside;
     light.alpha = shape.alpha.textured() ? 1.0f : shape.alpha.value;
     light.spectrum = source.radiance ? unit_spectrum(context, *source.radiance, source.scale)
                                      : unit_white(context, source.color_space, source.scale);
