@@ -10,6 +10,8 @@
 #include "dapple/media/medium.h"
 #include "dapple/spectrum/make_spectrum.h"
 
+#include <limits>
+
 namespace dapple {
 
 namespace {
@@ -112,7 +114,8 @@ MajorantTracker::MajorantTracker(const Media& media, const SpectrumPool& pool, c
     if (!(t_max > 0.0f)) return;
     if (medium.kind == Medium::Kind::homogeneous) {
         sigma_t_ = pool.evaluate(medium.sigma_a, wavelengths) + pool.evaluate(medium.sigma_s, wavelengths);
-        t_end_ = t_max;
+        // Not infinite: a lane of majorant 0 would get 0 times infinity for its optical depth.
+        t_end_ = std::min(t_max, std::numeric_limits<float>::max());
         return;
     }
     sigma_t_ = medium.kind == Medium::Kind::rgb_grid

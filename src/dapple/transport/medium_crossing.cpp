@@ -116,17 +116,17 @@ void attenuate(Transmittance& result, const World& world, MediumId medium_id, co
             if (result.value.is_black()) return;
         }
     }
+    if (medium.kind == Medium::Kind::homogeneous) {
+        result.value *= majorant_transmittance;  // exact, no lane decided anything
+        result.path_pdf *= majorant_transmittance;
+        return;
+    }
     const float transmitted = majorant_transmittance[kept_lane];
     if (!(transmitted > 0.0f)) {
         result.value = Spectrum(0.0f);
         return;
     }
     const Spectrum rest = majorant_transmittance * (1.0f / transmitted);
-    if (medium.kind == Medium::Kind::homogeneous) {
-        result.value *= majorant_transmittance;  // exact, no lane decided anything
-        result.path_pdf *= majorant_transmittance;
-        return;
-    }
     result.value *= rest;
     result.path_pdf *= rest;
     result.light_pdf *= rest;

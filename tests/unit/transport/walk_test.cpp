@@ -44,5 +44,35 @@ TEST(Walk, KeepsItsLaneUnbiasedInAColouredMediumBehindADispersiveSurface)
         EXPECT_NEAR(sum[lane] / count, expected[lane], 0.03f * expected.max()) << "lane " << lane;
 }
 
+// A medium without an end swallows the sky, but not in a lane that it leaves alone.
+TEST(Walk, SeesTheSkyThroughAnEndlessMediumInTheLanesItDoesNotTouch)
+{
+    SmallScene scene;
+    const scene::MediumIndex red_absorber = scene.absorber(scene::SpectrumSource(scene::Rgb{Vec3(1, 0, 0)}));
+    scene.light(scene::InfiniteLight{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}}).medium = red_absorber;
+    const auto world = scene.world();
+    const Wavelengths wavelengths = Wavelengths::rgb();
+    const Spectrum sky = emitted_environment(world->lights, world->spectra, LightId(0u), Vec3(0, 0, 1), wavelengths);
+
+    Spectrum sum;
+    constexpr int count = 1000;
+    for (int i = 0; i < count; ++i) {
+        RandomStream random(1, 2, static_cast<uint32_t>(i));
+        Walk walk(Ray{Vec3(0, 0, 0), Vec3(0, 0, 1), 0.0f}, MediumId(0u), TransportMode::radiance, wavelengths, i % 4,
+                  Spectrum(1.0f));
+        while (walk.next(*world, random)) {
+        }
+        if (walk.escaped()) sum += met_environment(*world, walk, LightId(0u), true);
+    }
+    EXPECT_EQ(sum[0], 0.0f);
+    for (int lane = 1; lane < Spectrum::lanes; ++lane) EXPECT_NEAR(sum[lane] / count, sky[lane], 1e-3f * sky[lane]);
+
+    // Light sampling must agree.
+    RandomStream random(1, 3, 0);
+    const Transmittance through =
+        transmittance(*world, Ray{Vec3(0, 0, 0), Vec3(0, 0, 1), 0.0f}, infinity, MediumId(0u), wavelengths, 0, random);
+    EXPECT_EQ(through.value, Spectrum(0, 1, 1, 1));
+}
+
 }  // namespace
 }  // namespace dapple
