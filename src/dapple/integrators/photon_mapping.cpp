@@ -6,18 +6,18 @@
 // With final gathering the light at the first such vertex x is split as in the paper:
 //   direct      L D S* E    sampled: light sampling and gather rays that meet lights, weighed by MIS
 //   caustic     LS+D S* E   from the caustic map at x, kernel of fixed radius
-//   indirect                gather rays from x; at the second vertex y the global map gives all the light that leaves y.
+//   indirect                gather rays from x; at the second vertex y the global map gives all light that leaves y.
 //                           Where y is nearer than the width of the estimate there, the path goes on instead: direct
 //                           light and caustics are taken at y, and the next vertex is asked.
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with the caustic radius of
-// r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel footprints.
-// Bias: the blur of the caustic kernel (vanishes with passes) and of the k-nearest estimates of the global map (falls
-// with photons per epoch); exact direct light. Surfaces only.
+// r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
+// footprints. Bias: the blur of the caustic kernel (vanishes with passes) and of the k-nearest estimates of the global
+// map (falls with photons per epoch); exact direct light. Surfaces only.
+#include "dapple/base/error.h"
 #include "dapple/density/estimate.h"
 #include "dapple/density/schedule.h"
-#include "dapple/base/error.h"
 #include "dapple/integrators/photon_maps.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/integrators/registry.h"
@@ -42,10 +42,12 @@ constexpr SettingInfo settings_table[] = {
     {"fixedradius", "m", "auto", "> 0", "radius of the caustic estimate in the first epoch; auto: from the footprint"},
     {"nearest", "photons", "50", ">= 0", "photons per estimate of the global map; 0: all within the caustic radius"},
     {"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman", "kernel of the estimates"},
-    {"irradiance", "", "true", "true|false", "precompute irradiance at photons for gather rays that meet matte surfaces"},
+    {"irradiance", "", "true", "true|false",
+     "precompute irradiance at photons for gather rays that meet matte surfaces (not if nearest is 0)"},
     {"wavelengthsets", "sets", "4", ">= 1", "sets of four wavelengths per epoch (spectral colour model)"},
-    {"maxdepth", "scatterings", "100", ">= 0", "longest path, in scatterings"},
-    {"memory", "bytes", "auto", "> 0", "ceiling for the photon maps of an epoch: fewer photons per epoch rather than more"},
+    {"maxdepth", "scatterings", "100", ">= 0", "longest eye path and longest light path, in scatterings each"},
+    {"memory", "bytes", "auto", "> 0",
+     "ceiling for the photon maps of an epoch: fewer photons per epoch rather than more"},
 };
 
 KernelKind kernel_named(std::string_view name)
@@ -56,6 +58,7 @@ KernelKind kernel_named(std::string_view name)
 }
 
 struct Epoch {
+    uint64_t seed = 0;
     uint32_t index = 0;
     float shrinkage = 1.0f;  // caustic radius over that of the first epoch
     std::vector<PhotonMapSet> maps;
@@ -108,7 +111,8 @@ private:
         plan.wavelength_sets = film.settings().color_model == ColorModel::rgb ? 1 : wavelength_sets_;
         plan.max_depth = max_depth_;
         // Irradiance does not remember which light it came from.
-        plan.precompute_irradiance = final_gather_ && irradiance_ && film.settings().light_groups.empty();
+        plan.precompute_irradiance =
+            final_gather_ && irradiance_ && nearest_ > 0 && film.settings().light_groups.empty();
         plan.irradiance_bandwidth = global_bandwidth(infinity);
         if (memory_ > 0) limit_memory(plan, context, film.settings().color_model, memory_);
         return plan;
@@ -124,9 +128,10 @@ private:
     {
         const uint32_t index = context.pass / epoch_passes_;
         const std::lock_guard lock(mutex_);
-        if (epoch_ && epoch_->index == index) return epoch_;
+        if (epoch_ && epoch_->index == index && epoch_->seed == context.seed) return epoch_;
         epoch_.reset();  // frees the old maps first: memory does not grow with passes
         auto made = std::make_shared<Epoch>();
+        made->seed = context.seed;
         made->index = index;
         made->shrinkage = static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(index) + 1)));
         made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film), index);
@@ -228,7 +233,9 @@ private:
                                    vertex.bsdf.transmits() ? PhotonSide::both : PhotonSide::same};
         photons_.clear();
         return visit_photons(map, region, bandwidth, nearest_points(bandwidth.nearest),
-                             [&](uint32_t slot, float weight) { photons_.push_back({slot, weight}); });
+                             [&](uint32_t slot, float weight) {
+                                 photons_.push_back({slot, weight});
+                             });
     }
 
     // Adds the light of the photons found; each under the class of its own path where the walk has met no D before.
@@ -243,7 +250,8 @@ private:
             const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
             if (f.is_black()) continue;
             // Flux per area counts geometric cosines, reflection the shading one.
-            const float cosines = abs_dot(wi, vertex.bsdf.frame.n) / std::max(abs_dot(wi, vertex.at.n_geometric), 1e-4f);
+            const float cosines =
+                abs_dot(wi, vertex.bsdf.frame.n) / std::max(abs_dot(wi, vertex.at.n_geometric), 1e-4f);
             const Spectrum light = f * map.flux(slot) * (weight * cosines);
             const auto path_class = first ? map.path_class(slot) : static_cast<uint8_t>(PathClass::indirect);
             if (light_groups_)
@@ -323,8 +331,7 @@ private:
                 return true;
             }
         }
-        const EstimateSupport support =
-            find_photons(walk, maps_.global, settings_.global_bandwidth(caustic_radius()));
+        const EstimateSupport support = find_photons(walk, maps_.global, settings_.global_bandwidth(caustic_radius()));
         if (support.radius >= since_last) return false;
         add_photons(walk, maps_.global);
         return true;
@@ -339,7 +346,7 @@ private:
     static NearestPoints& nearest_points(int k)
     {
         thread_local NearestPoints scratch(2);
-        if (scratch.k() != std::max(k, 2)) scratch = NearestPoints(std::max(k, 2));
+        if (k != 0 && scratch.k() != k) scratch = NearestPoints(k);
         return scratch;
     }
 
@@ -374,7 +381,11 @@ std::unique_ptr<Integrator> create(const World& world, const Settings& settings)
 }  // namespace
 
 extern const IntegratorEntry photon_mapping_entry{
-    "photonmap", "photon mapping: global and caustic maps, final gathering or direct visualisation; caustics in seconds",
-    settings_table, false, true, create};
+    "photonmap",
+    "photon mapping: global and caustic maps, final gathering or direct visualisation; caustics in seconds",
+    settings_table,
+    false,
+    true,
+    create};
 
 }  // namespace dapple
