@@ -129,19 +129,21 @@ Sensor make_sensor(const std::string& name, const std::string& color_space_name,
     return sensor;
 }
 
-Vec3 Sensor::to_rgb(const Spectrum& radiance, const Wavelengths& wavelengths) const
+Sensor::LaneColors::LaneColors(const Sensor& sensor, const Wavelengths& wavelengths)
 {
-    if (wavelengths.model == ColorModel::rgb) return Vec3(radiance[0], radiance[1], radiance[2]) * imaging_ratio;
-    Vec3 sum(0.0f);
+    std::fill(std::begin(color_), std::end(color_), Vec3(0.0f));
+    if (wavelengths.model == ColorModel::rgb) {
+        for (int c = 0; c < 3; ++c) color_[c][c] = sensor.imaging_ratio;
+        return;
+    }
     for (int i = 0; i < Spectrum::lanes; ++i) {
         if (wavelengths.pdf[i] == 0.0f) continue;
-        const float weighted = radiance[i] / wavelengths.pdf[i];
         const int index =
             std::clamp(static_cast<int>(wavelengths.lambda[i] - lambda_min + 0.5f), 0, spectrum_table_size - 1);
-        sum += Vec3(response[0][index], response[1][index], response[2][index]) * weighted;
+        const Vec3 response(sensor.response[0][index], sensor.response[1][index], sensor.response[2][index]);
+        color_[i] = multiply(sensor.rgb_from_response, response) *
+                    (sensor.imaging_ratio / (Spectrum::lanes * wavelengths.pdf[i]));
     }
-    sum *= imaging_ratio / Spectrum::lanes;
-    return multiply(rgb_from_response, sum);
 }
 
 }  // namespace dapple

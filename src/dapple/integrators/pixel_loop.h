@@ -26,19 +26,19 @@ struct EyeSample {
     Int2 pixel;
     Vec2 raster;
     Wavelengths wavelengths;
-    const Sensor& sensor;
+    Sensor::LaneColors colors;
     float filter_weight;
     PixelSample& sums;
     RandomStream& random;
 
     void add(const Spectrum& radiance, PathClass path_class, LightGroup group) const
     {
-        sums.add(sensor.to_rgb(radiance, wavelengths) * filter_weight, path_class, group);
+        sums.add(colors.to_rgb(radiance) * filter_weight, path_class, group);
     }
 };
 
-// Calls trace(EyeSample&) once for every pixel of the film's crop window, in parallel; wavelengths(pixel, random) chooses
-// the sample's wavelengths.
+// Calls trace(EyeSample&) once for every pixel of the film's crop window, in parallel; wavelengths(pixel, random)
+// chooses the sample's wavelengths.
 template <class ChooseWavelengths, class Trace>
 void for_each_pixel(const PassContext& context, Film& film, const ChooseWavelengths& wavelengths, const Trace& trace)
 {
@@ -57,8 +57,9 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
                 RandomStream random = pixel_stream(context.seed, pixel, context.pass);
                 const Filter::Sample offset = settings.filter.sample(random.next_2d());
                 sums.clear();
+                const Wavelengths chosen = wavelengths(pixel, random);
                 EyeSample sample{pixel,         Vec2(x + 0.5f, y + 0.5f) + offset.offset,
-                                 wavelengths(pixel, random), settings.sensor,
+                                 chosen,        Sensor::LaneColors(settings.sensor, chosen),
                                  offset.weight, sums,
                                  random};
                 trace(sample);
@@ -68,7 +69,8 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
     context.statistics.eye_paths += uint64_t(size.x) * uint64_t(size.y);
 }
 
-// Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no delta.
+// Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no
+// delta.
 class GuideRecorder {
 public:
     GuideRecorder(const World& world, EyeSample& sample) : world_(world), sample_(sample) {}
