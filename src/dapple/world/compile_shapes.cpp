@@ -124,6 +124,7 @@ void append(CompileContext& context, Job& job)
     const scene::Shape& shape = *job.shape;
     Geometry base;
     base.material = MaterialId(shape.material.value);
+    base.detail = uses_tangents(world.materials, base.material) ? SurfaceDetail::tangents : SurfaceDetail::no_tangents;
     base.has_medium = shape.medium_interface;
     base.interior = medium_id(shape.inside);
     base.exterior = medium_id(shape.outside);

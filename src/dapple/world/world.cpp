@@ -85,7 +85,7 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
         if (triangle.has_normals) triangle.n[corner] = mesh.normals[index[corner]];
         if (triangle.has_uv) triangle.uv[corner] = mesh.uvs[index[corner]];
     }
-    if (!placed) return mesh_surface_point(triangle, hit.uv, ray.time);
+    if (!placed) return mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
 
     const Transform place = instances[hit.instance].world_from_group.at(ray.time);
     triangle.flip = triangle.flip != place.swaps_handedness();
@@ -96,7 +96,7 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
         triangle.p[corner] = place.point(triangle.p[corner]);
         if (triangle.has_normals) triangle.n[corner] = normalize(place.normal(triangle.n[corner]));
     }
-    SurfacePoint at = mesh_surface_point(triangle, hit.uv, ray.time);
+    SurfacePoint at = mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
     const auto& m = place.matrix().m;
     for (int axis = 0; axis < 3; ++axis) {
         // Rounding of the instance transform itself, in both directions.

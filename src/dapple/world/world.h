@@ -21,6 +21,7 @@ namespace dapple {
 struct Geometry {
     bool is_mesh = true;
     bool flip = false;              // mesh: outside is against the winding's normal
+    SurfaceDetail detail = SurfaceDetail::tangents;  // what its material needs of a surface point
     bool has_medium = false;        // crossing it changes the medium
     MaterialId material;
     MediumId interior, exterior;    // invalid: vacuum
@@ -73,7 +74,7 @@ public:
     bool intersect(const Ray& ray, float t_max, Hit& hit) const;
     // Whether any surface (interfaces included) is met at t in (0, t_max).
     bool occluded(const Ray& ray, float t_max) const;
-    // Differential geometry at a hit of `ray`.
+    // Differential geometry at a hit of `ray`; tangents where the geometry's material looks at them.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
 
     // The area light at a hit, or an invalid id.
