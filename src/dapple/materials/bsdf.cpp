@@ -25,7 +25,7 @@ LayeredLobe<Base> layered(const Bsdf& b, const Base& base)
             .base = base,
             .albedo = b.layer_albedo,
             .thickness = std::max(b.layer_thickness, 1e-30f),
-            .g = std::clamp(b.layer_g, -0.99f, 0.99f),
+            .g = b.layer_g,
             .max_depth = b.layer_max_depth,
             .samples = std::max<int>(b.layer_samples, 1),
             .seed = b.layer_seed,

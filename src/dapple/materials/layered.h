@@ -26,6 +26,7 @@
 #include "dapple/materials/dielectric.h"
 #include "dapple/materials/diffuse.h"
 #include "dapple/math/hash.h"
+#include "dapple/sampling/henyey_greenstein.h"
 
 #include <type_traits>
 
@@ -59,22 +60,6 @@ inline float power_heuristic(float pdf, float other)
     return sum > 0.0f ? sqr(pdf) / sum : 0.0f;
 }
 
-inline float henyey_greenstein(float g, float cos_scattering)
-{
-    const float d = 1.0f + sqr(g) - 2.0f * g * cos_scattering;
-    return 0.25f * inv_pi * (1.0f - sqr(g)) / (d * safe_sqrt(d));
-}
-
-// Scatters the flight direction w; returns the density.
-inline float sample_henyey_greenstein(float g, const Vec3& w, const Vec2& u, Vec3& scattered)
-{
-    float c = 1.0f - 2.0f * u.x;
-    if (std::fabs(g) > 1e-3f) c = (1.0f + sqr(g) - sqr((1.0f - sqr(g)) / (1.0f + g - 2.0f * g * u.x))) / (2.0f * g);
-    c = std::clamp(c, -1.0f, 1.0f);
-    scattered = Frame(w).to_world(spherical_direction(safe_sqrt(1.0f - sqr(c)), c, 2.0f * pi * u.y));
-    return henyey_greenstein(g, c);
-}
-
 }  // namespace detail
 
 template <class Base>
@@ -83,7 +68,7 @@ struct LayeredLobe {
     Base base;
     Spectrum albedo;
     float thickness;  // > 0
-    float g;          // in (-1, 1)
+    float g;          // in [-1, 1]
     int max_depth;
     int samples;
     uint64_t seed;
@@ -193,11 +178,11 @@ private:
         Spectrum sum;
         for (; walk.depth < max_depth && survives(walk, random); ++walk.depth) {
             if (advance(walk, random)) {
-                const float phase = detail::henyey_greenstein(g, dot(walk.w, up));
+                const float phase = henyey_greenstein(g, -walk.w, up);
                 const float weight = rough_coat ? detail::power_heuristic(exit.pdf, phase) : 1.0f;
                 sum += walk.throughput * albedo * exit_value * (phase * weight * transmittance(thickness - walk.z, up));
                 Vec3 scattered;
-                const float density = detail::sample_henyey_greenstein(g, walk.w, random.next_2d(), scattered);
+                const float density = sample_henyey_greenstein(g, -walk.w, random.next_2d(), scattered);
                 if (in_plane(scattered)) break;
                 walk.w = scattered;
                 walk.throughput *= albedo;
@@ -223,8 +208,8 @@ private:
     {
         const Spectrum value = coat.f(-walk.w, wi);
         if (value.is_black()) return value;
-        const float rival = pbrt_weights ? coat.pdf(-walk.w, wi, Lobes::transmission)
-                                         : coat.pdf(wi, -walk.w, Lobes::transmission);
+        const float rival =
+            pbrt_weights ? coat.pdf(-walk.w, wi, Lobes::transmission) : coat.pdf(wi, -walk.w, Lobes::transmission);
         const float weight = detail::power_heuristic(pdf, rival);
         return walk.throughput * value * (weight * transmittance(thickness - walk.z, walk.w));
     }
@@ -264,7 +249,7 @@ private:
         for (; walk.depth < max_depth && survives(walk, random); ++walk.depth) {
             if (advance(walk, random)) {
                 Vec3 scattered;
-                detail::sample_henyey_greenstein(g, walk.w, random.next_2d(), scattered);
+                sample_henyey_greenstein(g, -walk.w, random.next_2d(), scattered);
                 if (in_plane(scattered)) return false;
                 walk.w = scattered;
                 walk.throughput *= albedo;

@@ -4,6 +4,7 @@
 #include "dapple/base/id.h"
 #include "dapple/math/ray.h"
 #include "dapple/math/transform.h"
+#include "dapple/sampling/henyey_greenstein.h"
 #include "dapple/spectrum/spectrum_value.h"
 
 #include <cstdint>
@@ -93,10 +94,13 @@ private:
     double start_[3] = {0, 0, 0}, inverse_slope_[3] = {0, 0, 0};  // the ray in units of cells
 };
 
-// Henyey-Greenstein phase function [1/sr]; wo points back along the incoming ray, wi on along the outgoing one, so that
-// cos = -dot(wo, wi) is the scattering angle's cosine and g > 0 is forward.
-float evaluate_phase(float g, const Vec3& wo, const Vec3& wi);
+// The phase function of all media [1/sr], Henyey and Greenstein's; wo points back along the incoming ray, wi on along
+// the outgoing one.
+inline float evaluate_phase(float g, const Vec3& wo, const Vec3& wi) { return henyey_greenstein(g, wo, wi); }
 // Samples wi in proportion to the phase function; returns its density (= value).
-float sample_phase(float g, const Vec3& wo, const Vec2& u, Vec3& wi);
+inline float sample_phase(float g, const Vec3& wo, const Vec2& u, Vec3& wi)
+{
+    return sample_henyey_greenstein(g, wo, u, wi);
+}
 
 }  // namespace dapple

@@ -1,4 +1,4 @@
-#include "dapple/media/presets.h"
+#include "dapple/spectrum/medium_presets.h"
 #include "dapple/world/compile_parts.h"
 
 namespace dapple::detail {

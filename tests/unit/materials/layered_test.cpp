@@ -192,6 +192,30 @@ TEST(Layered, ReciprocalAndTheSameInBothModesOnAverage)
     }
 }
 
+// pbrt's weights change f of rough coats over rough bases and nothing else: it is brighter than what its sampler
+// yields. Over a base whose delta leaves one strategy only, as where the coat is smooth, there is nothing to weigh.
+TEST(Layered, WeightsOfPbrtBrightenTheValuesOfRoughCoatsAlone)
+{
+    const Vec3 wo = normalize(Vec3(0.5f, 0.0f, 0.8f)), wi = normalize(Vec3(-0.5f, 0.3f, 0.4f));
+    for (const auto& [name, bsdf] : coats()) {
+        SCOPED_TRACE(name);
+        Bsdf as_pbrt = bsdf;
+        as_pbrt.pbrt_coat_weights = true;
+        const bool weighed =
+            !bsdf.roughness.smooth() && (bsdf.kind == BsdfKind::coated_diffuse || !bsdf.base_roughness.smooth());
+        const double ours = albedo_of_values(bsdf, wo, TransportMode::radiance, 10000).mean;
+        const double theirs = albedo_of_values(as_pbrt, wo, TransportMode::radiance, 10000).mean;
+        if (weighed)
+            EXPECT_GT(theirs, 1.01 * ours);
+        else
+            EXPECT_EQ(theirs, ours);
+        EXPECT_LT(theirs, 1.15 * ours);
+        EXPECT_EQ(pdf(as_pbrt, wo, wi, TransportMode::radiance), pdf(bsdf, wo, wi, TransportMode::radiance));
+        EXPECT_EQ(albedo_of_samples(as_pbrt, wo, TransportMode::radiance, 1000).mean,
+                  albedo_of_samples(bsdf, wo, TransportMode::radiance, 1000).mean);
+    }
+}
+
 TEST(Layered, DensityIsAFunctionOfTheDirectionsAndIntegratesToOneAtMost)
 {
     Numbers numbers(14);

@@ -1,7 +1,6 @@
 // What media are at a point: interpolation, emission, presets.
 
 #include "dapple/media/grid.h"
-#include "dapple/media/presets.h"
 #include "dapple/spectrum/photometry.h"
 #include "media_support.h"
 
@@ -91,22 +90,6 @@ TEST(Medium, RgbGridsInterpolateColours)
     for (int c = 0; c < 3; ++c) {
         EXPECT_NEAR(point.sigma_a[c], 0.7f * scene.media.grids[0].values[at + c], 1e-5f);
         EXPECT_NEAR(point.sigma_s[c], 0.7f * scene.media.grids[1].values[at + c], 1e-5f);
-    }
-}
-
-TEST(MediumPresets, AreFoundOrTheNearestIsNamed)
-{
-    EXPECT_EQ(find_medium_preset("Wholemilk").sigma_s, Vec3(2.55f, 3.21f, 3.77f));
-    EXPECT_EQ(find_medium_preset("Pacific Ocean Surface Water").sigma_a, Vec3(0.031845f, 0.031324f, 0.030147f));
-    // Reduced coefficients: those of the paper times 1 - g (tables D2).
-    EXPECT_NEAR(find_medium_preset("Regular Milk").sigma_s.x, 18.2052f * (1 - 0.75f), 1e-3f);
-    try {
-        find_medium_preset("Wholmilk", {"scene.pbrt", 7, 3});
-        FAIL();
-    } catch (const UserError& error) {
-        const std::string what = error.what();
-        EXPECT_NE(what.find("scene.pbrt:7:3"), std::string::npos);
-        EXPECT_NE(what.find("Wholemilk"), std::string::npos);
     }
 }
 

@@ -23,12 +23,21 @@ TEST(Names, EachListHasNoWordTwice)
         EXPECT_EQ(std::set<std::string_view>(names.begin(), names.end()).size(), names.size());
 }
 
+// Counts and words from pbrt-v4's util/spectrum.cpp, media.cpp and film.cpp.
 TEST(Names, HoldsWhatPbrtHas)
 {
-    EXPECT_EQ(spectrum_names().size(), 37u);
+    const std::string_view spectra_of_pbrt[] = {
+        "glass-BK7",    "glass-BAF10",    "glass-FK51A",  "glass-LASF9",    "glass-F5",     "glass-F10",
+        "glass-F11",    "metal-Ag-eta",   "metal-Ag-k",   "metal-Al-eta",   "metal-Al-k",   "metal-Au-eta",
+        "metal-Au-k",   "metal-Cu-eta",   "metal-Cu-k",   "metal-CuZn-eta", "metal-CuZn-k", "metal-MgO-eta",
+        "metal-MgO-k",  "metal-TiO2-eta", "metal-TiO2-k", "stdillum-A",     "stdillum-D50", "stdillum-D65",
+        "stdillum-F1",  "stdillum-F2",    "stdillum-F3",  "stdillum-F4",    "stdillum-F5",  "stdillum-F6",
+        "stdillum-F7",  "stdillum-F8",    "stdillum-F9",  "stdillum-F10",   "stdillum-F11", "stdillum-F12",
+        "illum-acesD60"};
+    for (const std::string_view name : spectra_of_pbrt) EXPECT_TRUE(contains(spectrum_names(), name)) << name;
     EXPECT_EQ(medium_preset_names().size(), 47u);
     EXPECT_EQ(sensor_names().size(), 18u);
-    EXPECT_TRUE(contains(spectrum_names(), "metal-Cu-eta"));
+    EXPECT_EQ(sensor_names().front(), Film{}.sensor);
     EXPECT_FALSE(contains(spectrum_names(), "metal-cu-eta"));
 }
 

@@ -5,6 +5,7 @@
 #include "dapple/math/vec.h"
 
 #include <string_view>
+#include <vector>
 
 namespace dapple {
 
@@ -15,6 +16,9 @@ struct MediumPreset {
     Vec3 sigma_s;  // reduced: (1 - g) sigma_s, to be used with g = 0
     Vec3 sigma_a;
 };
+
+// All names, in the order of pbrt's list.
+std::vector<std::string_view> medium_preset_names();
 
 // The preset of that exact name; throws a UserError at `where` that names the nearest known one.
 const MediumPreset& find_medium_preset(std::string_view name, const SourceLocation& where = {});

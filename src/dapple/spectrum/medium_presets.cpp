@@ -4,7 +4,7 @@
 //   by dilution" (all others, as reduced coefficients),
 // in the selection and under the names of pbrt-v4, so that its scenes find what they ask for.
 
-#include "dapple/media/presets.h"
+#include "dapple/spectrum/medium_presets.h"
 
 #include <array>
 
@@ -65,14 +65,19 @@ const std::array medium_presets = std::to_array<MediumPreset>({
 
 }  // namespace
 
+std::vector<std::string_view> medium_preset_names()
+{
+    std::vector<std::string_view> names;
+    for (const MediumPreset& preset : medium_presets) names.push_back(preset.name);
+    return names;
+}
+
 const MediumPreset& find_medium_preset(std::string_view name, const SourceLocation& where)
 {
-    std::array<std::string_view, medium_presets.size()> names;
-    for (size_t i = 0; i < names.size(); ++i) {
-        if (medium_presets[i].name == name) return medium_presets[i];
-        names[i] = medium_presets[i].name;
-    }
-    throw UserError(where, "unknown medium preset '" + std::string(name) + "'" + did_you_mean(name, names));
+    for (const MediumPreset& preset : medium_presets)
+        if (preset.name == name) return preset;
+    throw UserError(where,
+                    "unknown medium preset '" + std::string(name) + "'" + did_you_mean(name, medium_preset_names()));
 }
 
 }  // namespace dapple

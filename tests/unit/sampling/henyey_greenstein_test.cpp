@@ -1,7 +1,9 @@
 // The Henyey-Greenstein phase function: normalisation, mean cosine, side, sampling.
 
-#include "../sampling/statistics.h"
-#include "media_support.h"
+#include "dapple/sampling/henyey_greenstein.h"
+
+#include "../media/numbers.h"
+#include "statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +19,7 @@ double cumulative(double g, double c)
     return (1.0 - g * g) / (2.0 * g) * (1.0 / std::sqrt(1.0 + g * g - 2.0 * g * c) - 1.0 / (1.0 + g));
 }
 
-TEST(Phase, IntegratesToOneWithMeanCosineG)
+TEST(HenyeyGreenstein, IntegratesToOneWithMeanCosineG)
 {
     const Vec3 wo = normalize(Vec3(0.3f, -0.8f, 0.5f));
     const Frame frame(-wo);
@@ -29,7 +31,7 @@ TEST(Phase, IntegratesToOneWithMeanCosineG)
             const double angle = M_PI * (i + 0.5) / n;
             const Vec3 wi = frame.to_world(
                 spherical_direction(static_cast<float>(std::sin(angle)), static_cast<float>(std::cos(angle)), 1.0f));
-            const double p = evaluate_phase(g, wo, wi) * 2.0 * M_PI * std::sin(angle) * M_PI / n;
+            const double p = henyey_greenstein(g, wo, wi) * 2.0 * M_PI * std::sin(angle) * M_PI / n;
             sum += p;
             mean += p * std::cos(angle);
         }
@@ -38,15 +40,15 @@ TEST(Phase, IntegratesToOneWithMeanCosineG)
     }
 }
 
-TEST(Phase, PositiveGScattersOnwards)
+TEST(HenyeyGreenstein, PositiveGScattersOnwards)
 {
     const Vec3 wo(0, 0, 1);
-    EXPECT_GT(evaluate_phase(0.5f, wo, -wo), 10.0f * evaluate_phase(0.5f, wo, wo));
-    EXPECT_GT(evaluate_phase(-0.5f, wo, wo), 10.0f * evaluate_phase(-0.5f, wo, -wo));
-    EXPECT_NEAR(evaluate_phase(0.5f, wo, -wo), 0.25 * inv_pi * 0.75 / 0.125, 1e-5);
+    EXPECT_GT(henyey_greenstein(0.5f, wo, -wo), 10.0f * henyey_greenstein(0.5f, wo, wo));
+    EXPECT_GT(henyey_greenstein(-0.5f, wo, wo), 10.0f * henyey_greenstein(-0.5f, wo, -wo));
+    EXPECT_NEAR(henyey_greenstein(0.5f, wo, -wo), 0.25 * inv_pi * 0.75 / 0.125, 1e-5);
 }
 
-TEST(Phase, SamplesFollowTheFunction)
+TEST(HenyeyGreenstein, SamplesFollowTheFunction)
 {
     Numbers numbers(1);
     for (const float g : {-0.95f, -0.3f, 0.0f, 1e-5f, 0.6f, 0.9f, 0.99f}) {
@@ -58,9 +60,9 @@ TEST(Phase, SamplesFollowTheFunction)
         double mean = 0.0;
         for (int i = 0; i < count; ++i) {
             Vec3 wi;
-            const float pdf = sample_phase(g, wo, numbers.next_2d(), wi);
+            const float pdf = sample_henyey_greenstein(g, wo, numbers.next_2d(), wi);
             ASSERT_NEAR(length(wi), 1.0f, 1e-5f);
-            const float value = evaluate_phase(g, wo, wi);
+            const float value = henyey_greenstein(g, wo, wi);
             ASSERT_NEAR(pdf, value, 2e-3f * value + 1e-6f) << g;
             const Vec3 local = frame.to_local(wi);
             const double c = std::clamp<double>(local.z, -1.0, 1.0);
@@ -74,17 +76,17 @@ TEST(Phase, SamplesFollowTheFunction)
     }
 }
 
-TEST(Phase, ExtremeValuesStayFinite)
+TEST(HenyeyGreenstein, ExtremeValuesStayFinite)
 {
     Numbers numbers(2);
     for (const float g : {-1.0f, -0.99999f, 0.99999f, 1.0f})
         for (const float u : {0.0f, 0.5f, one_minus_epsilon}) {
             Vec3 wi;
             const Vec3 wo = numbers.direction();
-            const float pdf = sample_phase(g, wo, {u, 0.25f}, wi);
+            const float pdf = sample_henyey_greenstein(g, wo, {u, 0.25f}, wi);
             EXPECT_TRUE(std::isfinite(pdf) && pdf > 0.0f && is_finite(wi)) << g << " " << u;
             EXPECT_NEAR(length(wi), 1.0f, 1e-4f);
-            EXPECT_TRUE(std::isfinite(evaluate_phase(g, wo, -wo)));
+            EXPECT_TRUE(std::isfinite(henyey_greenstein(g, wo, -wo)));
         }
 }
 
