@@ -41,6 +41,7 @@ bool sample_area_light(const Lights& lights, const SpectrumPool& pool, const Lig
     sample.position = point.position;
     sample.error = point.error;
     sample.normal = point.normal;
+    sample.uv = point.uv;
     sample.pdf = point.pdf;
     sample.radiance = area_radiance(lights, pool, light, point.uv, wavelengths);
     if (light.alpha > 0.0f) {

@@ -92,6 +92,7 @@ bool emit_area(const Lights& lights, const SpectrumPool& pool, const Light& ligh
     sample.ray.direction = Frame(point.normal * side).to_world(w);
     sample.error = point.error;
     sample.normal = point.normal;
+    sample.uv = point.uv;
     sample.pdf_position = point.pdf;
     sample.pdf_direction = pdf_cosine_hemisphere(w.z) / sides;
     // The cosine of the flux cancels that of the density.

@@ -35,9 +35,11 @@ struct Light {
     float cos_total = -1, cos_falloff = -1;  // spot: cosines of cone angle and of the start of the falloff
     float screen_half[2] = {1, 1};  // projection: half extent of the image on the plane z = 1; its top is at +y
     Primitive shape;                // area: its geometry in world space
-    float alpha = 1.0f;             // area: constant alpha of the shape (textured alpha emits from all of it)
+    float alpha = 1.0f;             // area: constant alpha of the shape
+    FloatTextureId alpha_texture;   // area: its textured alpha, if any; whoever samples the light multiplies it in
     LightGroup group{0u};
-    MediumId medium;  // the medium around a point, spot, ... light
+    MediumId medium;         // the medium around a point, spot, ... light; area: on its outside
+    MediumId medium_inside;  // area: behind it
 };
 
 // An image map of a light, with the distribution to sample it; made by make_light.h. Environment and goniometric maps
@@ -67,6 +69,7 @@ struct DirectSample {
     Vec3 position{0, 0, 0};  // point on the light (near lights), offset for a shadow ray
     Vec3 error{0, 0, 0};     // its error bound
     Vec3 normal{0, 0, 0};    // area lights: unit normal at position
+    Vec2 uv{0, 0};           // area lights: surface parameters there
 };
 
 // False when the light cannot reach the point. Does not trace.
@@ -91,6 +94,7 @@ struct EmissionSample {
     Ray ray;                       // origin on the light (or on the scene's silhouette disc for far lights)
     Vec3 error{0, 0, 0};           // error bound of the origin (area lights)
     Vec3 normal{0, 0, 0};          // area lights
+    Vec2 uv{0, 0};                 // area lights
     Spectrum flux;                 // Le cos / (pdf_position pdf_direction) [W], for this light chosen with certainty
     float pdf_position = 0.0f;     // per area; 1 for point-like lights
     float pdf_direction = 0.0f;    // per solid angle; 1 for distant lights

@@ -50,6 +50,7 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
     DirectSample sample;
     if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u, walk.wavelengths(), sample))
         return result;
+    sample.radiance *= world.opacity(world.lights.list[id.value], sample.position, sample.normal, sample.uv);
     const Scattering scattering = evaluate_scattering(vertex, sample.wi, TransportMode::radiance);
     if (scattering.value.is_black() || sample.radiance.is_black()) return result;
 

@@ -133,8 +133,8 @@ struct Fill {
 
 }  // namespace
 
-LightId compile_area_lights(CompileContext& context, const scene::Shape& shape,
-                            const std::vector<Primitive>& primitives, MediumId outside, MediumId inside)
+LightId compile_area_lights(CompileContext& context, const scene::Shape& shape, const Geometry& geometry,
+                            const std::vector<Primitive>& primitives)
 {
     const scene::AreaLight& source = context.description.area_lights[shape.area_light.value];
     Lights& lights = context.world.lights;
@@ -142,9 +142,12 @@ LightId compile_area_lights(CompileContext& context, const scene::Shape& shape,
     light.kind = Light::Kind::area;
     light.two_sided = source.two_sided;
     light.group = light_group(context.world, source.light_group);
-    light.medium = outside;
-    light.medium_inside = inside;
-    light.alpha = shape.alpha.textured() ? 1.0f : shape.alpha.value;
+    light.medium = geometry.exterior;
+    light.medium_inside = geometry.interior;
+    if (shape.alpha.textured())
+        light.alpha_texture = geometry.alpha;
+    else
+        light.alpha = shape.alpha.value;
     light.spectrum = source.radiance ? unit_spectrum(context, *source.radiance, source.scale)
                                      : unit_white(context, source.color_space, source.scale);
     if (!source.file.empty())

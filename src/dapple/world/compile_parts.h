@@ -15,9 +15,9 @@ struct CompileContext {
     const scene::Description& description;
     World& world;
     CompileReport& report;
-    std::map<std::string, uint32_t> image_ids;       // by path and reading options: index into Textures::images
-    std::map<std::string, uint32_t> light_image_ids; // by path: index into Lights::images
-    std::vector<SpectrumTextureId> spectrum_ids;     // of description.spectrum_textures, as albedo
+    std::map<std::string, uint32_t> image_ids;        // by path and reading options: index into Textures::images
+    std::map<std::string, uint32_t> light_image_ids;  // by path: index into Lights::images
+    std::vector<SpectrumTextureId> spectrum_ids;      // of description.spectrum_textures, as albedo
     std::vector<FloatTextureId> float_ids;
 };
 
@@ -35,8 +35,8 @@ void compile_textures(CompileContext& context);
 FloatTextureId float_texture(CompileContext& context, const scene::FloatInput& input);
 SpectrumTextureId spectrum_texture(CompileContext& context, const scene::SpectrumInput& input, SpectrumUsage usage);
 // Index into Textures::images; a missing or unreadable file gives a magenta pixel and a warning.
-uint32_t texture_image(CompileContext& context, const std::filesystem::path& file, scene::Encoding encoding, float gamma,
-                       const SourceLocation& at);
+uint32_t texture_image(CompileContext& context, const std::filesystem::path& file, scene::Encoding encoding,
+                       float gamma, const SourceLocation& at);
 
 void compile_materials(CompileContext& context);
 void compile_media(CompileContext& context);
@@ -46,8 +46,8 @@ void compile_lights(CompileContext& context);
 void compile_camera(CompileContext& context);
 
 // Adds one light per primitive of an emissive geometry; returns the first. Called by compile_shapes.
-LightId compile_area_lights(CompileContext& context, const scene::Shape& shape, const std::vector<Primitive>& primitives,
-                            MediumId outside);
+LightId compile_area_lights(CompileContext& context, const scene::Shape& shape, const Geometry& geometry,
+                            const std::vector<Primitive>& primitives);
 
 // Re-keys a transform given at scene times to the camera's shutter interval: ray times run from 0 to 1 over it.
 AnimatedTransform over_shutter(const scene::MovingMatrix& matrix, const scene::Camera& camera);

@@ -11,9 +11,9 @@ namespace {
 // A shape on its way: where it goes, and what the parallel part makes of it.
 struct Job {
     const scene::Shape* shape;
-    Transform transform;             // into world space or the group's space
+    Transform transform;  // into world space or the group's space
     bool may_emit;
-    Mesh mesh;                       // triangles, if any
+    Mesh mesh;                          // triangles, if any
     std::vector<Primitive> primitives;  // quadrics and patches, if any
 };
 
@@ -92,7 +92,8 @@ void bake(Job& job)
         if (!mesh->data->triangles.empty()) job.mesh = bake_mesh(job, *mesh->data);
         job.primitives = bake_patches(job, *mesh->data);
     } else if (const auto* loop = std::get_if<scene::LoopSubdivision>(&geometry)) {
-        const SubdividedMesh fine = loop_subdivide(loop->data->positions, loop->data->triangles, loop->levels, job.shape->at);
+        const SubdividedMesh fine =
+            loop_subdivide(loop->data->positions, loop->data->triangles, loop->levels, job.shape->at);
         job.mesh = bake_mesh(job, scene::MeshData{fine.positions, fine.normals, {}, fine.indices, {}});
     }
 }
@@ -117,6 +118,12 @@ std::vector<Primitive> triangles_of(const Job& job)
     return out;
 }
 
+void warn_no_emission(const scene::Shape& shape, const char* why)
+{
+    if (shape.area_light.valid())
+        log_warning("{}: area light on {} is ignored: {}", shape.at.to_string(), shape.name, why);
+}
+
 // Appends the geometries of a baked shape (one for its triangles, one for its other primitives).
 void append(CompileContext& context, Job& job)
 {
@@ -125,7 +132,7 @@ void append(CompileContext& context, Job& job)
     Geometry base;
     base.material = MaterialId(shape.material.value);
     base.detail = uses_tangents(world.materials, base.material) ? SurfaceDetail::tangents : SurfaceDetail::no_tangents;
-    base.has_medium = shape.medium_interface;
+    base.has_medium = shape.medium_interface && shape.inside != shape.outside;  // as in pbrt, else no boundary
     base.interior = medium_id(shape.inside);
     base.exterior = medium_id(shape.outside);
     base.flip = flipped(job);
@@ -133,10 +140,12 @@ void append(CompileContext& context, Job& job)
     world.names.push_back(shape.name + (shape.at.file.empty() ? "" : " at " + shape.at.to_string()));
     const bool invisible = !shape.alpha.textured() && shape.alpha.value <= 0.0f;
     if (shape.alpha.textured() || shape.alpha.value < 1.0f) base.alpha = float_texture(context, shape.alpha);
-    const bool emits = shape.area_light.valid() && job.may_emit;
+    const bool is_interface = world.materials.list[base.material.value].kind == Material::Kind::interface;
+    if (is_interface && job.may_emit) warn_no_emission(shape, "its material is an interface, which has no surface");
+    const bool emits = shape.area_light.valid() && job.may_emit && !is_interface;
 
     const auto add = [&](Geometry geometry, const std::vector<Primitive>& emitters) {
-        if (emits) geometry.first_light = compile_area_lights(context, shape, emitters, base.exterior);
+        if (emits) geometry.first_light = compile_area_lights(context, shape, geometry, emitters);
         if (!invisible) world.geometries.push_back(geometry);
     };
     if (!job.mesh.indices.empty()) {
@@ -154,12 +163,6 @@ void append(CompileContext& context, Job& job)
         world.primitives.insert(world.primitives.end(), job.primitives.begin(), job.primitives.end());
         add(geometry, job.primitives);
     }
-}
-
-void warn_no_emission(const scene::Shape& shape, const char* why)
-{
-    if (shape.area_light.valid())
-        log_warning("{}: area light on {} is ignored: {}", shape.at.to_string(), shape.name, why);
 }
 
 }  // namespace

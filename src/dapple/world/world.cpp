@@ -7,8 +7,8 @@
 namespace dapple {
 namespace {
 
-// Whether an alpha cut-out lets the ray pass at this point: a choice made by a hash of the ray and the hit, so that it is
-// the same on every thread and differs between rays.
+// Whether an alpha cut-out lets the ray pass at this point: a choice made by a hash of the ray and the hit, so that it
+// is the same on every thread and differs between rays.
 bool passes_cutout(const World& world, const Geometry& geometry, const Ray& ray, const SurfacePoint& at)
 {
     if (!geometry.alpha.valid()) return false;
@@ -63,6 +63,16 @@ bool World::occluded(const Ray& ray, float t_max) const
     return intersect(ray, t_max, hit);
 }
 
+float World::opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const
+{
+    if (!light.alpha_texture.valid()) return 1.0f;
+    SurfacePoint at;
+    at.position = position;
+    at.n_geometric = at.n_shading = normal;
+    at.uv = uv;
+    return clamp01(evaluate(materials.textures, light.alpha_texture, at));
+}
+
 SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
 {
     const Geometry& geometry = geometries[hit.geometry];
@@ -71,8 +81,8 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
         const Primitive& primitive = primitives[geometry.first_primitive + hit.primitive];
         const PrimitiveHit primitive_hit{hit.t, hit.uv};
         if (!placed) return dapple::surface_point(primitive, ray, primitive_hit);
-        return dapple::surface_point(
-            placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)), ray, primitive_hit);
+        return dapple::surface_point(placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)),
+                                     ray, primitive_hit);
     }
     const Mesh& mesh = meshes[geometry.mesh];
     const uint32_t* index = &mesh.indices[size_t(hit.primitive) * 3];

@@ -91,6 +91,9 @@ public:
     }
     const std::string& name_of(uint32_t geometry) const { return names[geometries[geometry].name]; }
 
+    // Opacity of a light's shape at one of its points: what a cut-out leaves of an area light's emission.
+    float opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const;
+
     // Probability of a light under power-weighted selection (light_choice).
     float light_probability(LightId light) const { return light_choice.probability(light.value); }
 
