@@ -10,8 +10,8 @@
 //            (seed, wo, wi), so that f is a fixed function.
 //            Deviation from pbrt: where a rough coat is left by either of two strategies, each one's weight uses the
 //            other's density of the same direction (given wi); pbrt takes the density of wi instead, so that its f does
-//            not agree with its sampler (compare pbrt-v4 issue 187): 7 to 11 percent bright at alpha = 0.39. With
-//            pbrt_weights f is pbrt's; nothing else changes (docs/materials.md has numbers).
+//            not agree with its sampler (compare pbrt-v4 issue 187) and is 6 to 8 percent bright at alpha = 0.39.
+//            With pbrt_weights f is pbrt's; nothing else changes (docs/materials.md has numbers).
 //   sample   follows one walk; the weight is that of the walk, right on average over the walks that lead to wi. It is
 //            not f |cos| / pdf.
 //   pdf      an estimate of the density of wi for MIS weights. It need not be right, only fixed and positive wherever f
