@@ -39,7 +39,11 @@ const IrradianceRecord* IrradianceMap::nearest(const Vec3& position, const Vec3&
         return mask;
     };
     tree_.find_nearest(DiscRegion{position, normal}, max_distance * max_distance, agrees, nearest);
-    return nearest.count() > 0 ? &records_[nearest.index(0)] : nullptr;
+    if (nearest.count() == 0) return nullptr;
+    // A record speaks for the disc that its photons came from. Where no light falls, the nearest one may be that of
+    // another surface far away, even beyond a wall.
+    const IrradianceRecord& record = records_[nearest.index(0)];
+    return nearest.distance_squared(0) <= record.radius * record.radius ? &record : nullptr;
 }
 
 }  // namespace dapple

@@ -24,7 +24,7 @@ public:
     size_t memory_bytes() const { return tree_.memory_bytes() + records_.size() * sizeof(IrradianceRecord); }
 
     // The record nearest to a point of a surface whose normal agrees within 60 degrees; null when there is none within
-    // max_distance.
+    // max_distance, or when the point lies beyond the radius of that record's estimate.
     const IrradianceRecord* nearest(const Vec3& position, const Vec3& normal, float max_distance = infinity) const;
 
 private:
