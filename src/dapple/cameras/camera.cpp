@@ -152,12 +152,13 @@ CameraRay generate_ray(const Camera& camera, const Vec2& raster, const Vec2& u_l
         }
         case Camera::Kind::spherical: direction = spherical_from_raster(camera, raster); break;
     }
-    const Transform world_from_camera = camera.world_from_camera.at(time);
-    CameraRay result;
-    result.ray.origin = world_from_camera.point(origin);
-    result.ray.direction = normalize(world_from_camera.vector(direction));
-    result.ray.time = time;
-    return result;
+    return camera.world_from_camera.with(time, [&](const Transform& world_from_camera) {
+        CameraRay result;
+        result.ray.origin = world_from_camera.point(origin);
+        result.ray.direction = normalize(world_from_camera.vector(direction));
+        result.ray.time = time;
+        return result;
+    });
 }
 
 bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float time, float margin,

@@ -62,6 +62,13 @@ struct AtomicExactSum {
         const uint64_t term_high = static_cast<uint64_t>(static_cast<unsigned __int128>(term) >> 64) + carry;
         if (term_high != 0) std::atomic_ref<uint64_t>(high).fetch_add(term_high, std::memory_order_relaxed);
     }
+    // The same where no other thread may write: without locked instructions.
+    void add_alone(Fixed128 term)
+    {
+        const auto sum = static_cast<unsigned __int128>(fixed()) + static_cast<unsigned __int128>(term);
+        low = static_cast<uint64_t>(sum);
+        high = static_cast<uint64_t>(sum >> 64);
+    }
     Fixed128 fixed() const { return static_cast<Fixed128>((static_cast<unsigned __int128>(high) << 64) | low); }
 };
 

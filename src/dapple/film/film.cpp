@@ -202,13 +202,15 @@ void Film::add_pixel(Int2 pixel, const PixelSample& sample, int samples)
     } else {
         ++dropped;
     }
+    // No one else writes to these layers of this pixel: splats have radiance alone.
     const auto add_guide = [&](int layer, const Vec3& v) {
         if (layer == Sums::none) return;
-        if (accepted(v))
-            for (int c = 0; c < s.layers[layer].channels(); ++c)
-                add_term(s.layers[layer].pixel(index)[c], v[c] * factor);
-        else
+        if (!accepted(v)) {
             ++dropped;
+            return;
+        }
+        for (int c = 0; c < s.layers[layer].channels(); ++c)
+            if (v[c] != 0.0f) s.layers[layer].pixel(index)[c].add_alone(to_fixed(v[c] * factor));
     };
     add_guide(s.albedo, sample.guides.albedo);
     add_guide(s.normal, sample.guides.normal);

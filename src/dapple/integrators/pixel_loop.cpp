@@ -5,8 +5,8 @@ namespace {
 
 float depth_along_axis(const Camera& camera, const Vec3& p, float time)
 {
-    const Transform transform = camera.world_from_camera.at(time);
-    return Transform::apply_point(transform.inverse_matrix(), p).z;
+    return camera.world_from_camera.with(
+        time, [&](const Transform& transform) { return Transform::apply_point(transform.inverse_matrix(), p).z; });
 }
 
 }  // namespace

@@ -64,6 +64,12 @@ public:
 
     bool moves() const { return moves_; }
     Transform at(float time) const;
+    // function(the transform at a time), which is not copied where it stands still.
+    template <class Function>
+    auto with(float time, const Function& function) const
+    {
+        return moves_ ? function(at(time)) : function(start_);
+    }
     const Transform& start() const { return start_; }
     const Transform& end() const { return end_; }
 
