@@ -40,8 +40,8 @@ struct Bsdf {
     uint8_t layer_max_depth = 10;  // layered kinds: scattering events of the random walk
     uint8_t layer_samples = 1;
     bool pbrt_coat_weights = false;  // layered kinds: f as bright as pbrt's (layered.h); sample_bsdf is the same
-    uint32_t layer_seed = 0;  // layered kinds: parts the random walks of different points
-    Frame frame;              // shading frame, n on the outside
+    uint32_t layer_seed = 0;         // layered kinds: parts the random walks of different points
+    Frame frame;                     // shading frame, n on the outside
     Vec3 n_geometric{0, 0, 1};
     Spectrum a;             // reflectance; conductor: eta (of a coated one: over the coat's index)
     Spectrum b;             // transmittance; conductor: k (likewise)

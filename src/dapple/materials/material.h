@@ -29,7 +29,7 @@ struct Material {
     bool conductor_from_reflectance = false;  // `reflectance` given in place of eta and k
     uint8_t layer_max_depth = 10;
     uint8_t layer_samples = 1;
-    bool pbrt_coat_weights = false;  // see Bsdf
+    bool pbrt_coat_weights = false;   // see Bsdf
     SpectrumTextureId reflectance;    // diffuse kinds, coats, conductor (as reflectance)
     SpectrumTextureId transmittance;  // diffuse_transmission
     SpectrumTextureId eta;            // conductors (spectrum)
