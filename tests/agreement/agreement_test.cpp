@@ -1,0 +1,189 @@
+// Ring 3. On every scene of scenes/, every pair of integrators of the registry that can do it: 12 independent batches
+// of passes each give means and standard errors; Welch's t-test compares the means of blocks of 4 x 4 pixels and of the
+// picture, channel by channel. Significance 1e-5 per pair and scene (divided by the number of comparisons), so below
+// 1e-3 over the ring. The standard error of the picture's mean must be below 2 %, else the test could tell nothing.
+// An integrator that is only consistent may differ by its stated bias (table below), relative to the block's value.
+// An algorithm that cannot see light through delta surfaces is judged where no eye path starts with one.
+#include "agreement/scenes.h"
+#include "support/statistics.h"
+
+#include "dapple/transport/walk.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+namespace dapple::testing {
+namespace {
+
+constexpr int batches = 12;
+constexpr int block = 4;
+constexpr double significance = 1e-5;
+constexpr double largest_error = 0.02;
+
+struct Bias {
+    std::string_view integrator;
+    double block, picture;  // relative
+    std::string_view reason;
+};
+constexpr Bias biases[] = {
+    {"photonmap", 0.05, 0.015, "blur of the caustic kernel, and loss of the global estimate at edges of surfaces"},
+};
+
+struct Exception {
+    std::string_view integrator, scene, reason;
+};
+constexpr std::array<Exception, 0> exceptions = {};
+
+constexpr std::string_view blind_through_delta[] = {"lightpath"};
+
+Bias bias_of(const std::string& integrator)
+{
+    for (const Bias& bias : biases)
+        if (bias.integrator == integrator) return bias;
+    return {integrator, 0, 0, ""};
+}
+
+bool is_blind_through_delta(const std::string& integrator)
+{
+    return std::find(std::begin(blind_through_delta), std::end(blind_through_delta), integrator) !=
+           std::end(blind_through_delta);
+}
+
+// Whether some eye path of the block starts with a delta surface, by 16 of them per pixel; pixels beside the block
+// count too, as far as filters reach.
+bool sees_delta(const TestScene& scene, int x0, int y0)
+{
+    for (int y = y0 * 4 - 4; y < (y0 + block) * 4 + 4; ++y)
+        for (int x = x0 * 4 - 4; x < (x0 + block) * 4 + 4; ++x) {
+            RandomStream random(1, 2, static_cast<uint32_t>(y * 4096 + x));
+            Walk eye = start_at_camera(scene.world(), Vec2(x + 0.5f, y + 0.5f) * 0.25f, Wavelengths::rgb(), random);
+            const Vertex* vertex = eye.next(scene.world(), random);
+            if (vertex && vertex->on_surface && (vertex->is_delta() || vertex->has_delta_lobe())) return true;
+        }
+    return false;
+}
+
+struct Judge {
+    const std::vector<Image>&a, &b;
+    double level;
+
+    void compare(int x0, int x1, int y0, int y1, double bias, const std::string& what) const
+    {
+        for (int c = 0; c < 3; ++c) {
+            const Estimate p = region_estimate(a, c, x0, x1, y0, y1), q = region_estimate(b, c, x0, x1, y0, y1);
+            // Single precision, and what a few dark blocks lose in it.
+            const double allowance = (bias + 3e-4) * std::max(std::abs(p.mean), std::abs(q.mean));
+            EXPECT_GT(p_value(p, q, allowance), level)
+                << fmt::format("{}, channel {}: {:.5f} +- {:.5f} and {:.5f} +- {:.5f}, ratio {:.4f}", what, c, p.mean,
+                               p.error, q.mean, q.error, q.mean / p.mean);
+        }
+    }
+};
+
+void compare_pair(const TestScene& scene, const std::vector<Image>& a, const std::vector<Image>& b,
+                  const std::string& first, const std::string& second)
+{
+    const Bias bias_a = bias_of(first), bias_b = bias_of(second);
+    const bool skip_delta = is_blind_through_delta(first) || is_blind_through_delta(second);
+    const int width = a.at(0).width, height = a.at(0).height;
+    const Judge judge{a, b, significance / (3.0 * (width / block * (height / block) + 1))};
+    int compared = 0, skipped = 0;
+    for (int y = 0; y < height; y += block)
+        for (int x = 0; x < width; x += block) {
+            if (skip_delta && sees_delta(scene, x, y)) {
+                ++skipped;
+                continue;
+            }
+            ++compared;
+            judge.compare(x, x + block, y, y + block, std::max(bias_a.block, bias_b.block),
+                          fmt::format("{} and {}, block {},{}", first, second, x, y));
+        }
+    EXPECT_GE(compared, 16) << "too little of the picture can be compared";
+    if (skipped == 0)
+        judge.compare(0, width, 0, height, std::max(bias_a.picture, bias_b.picture),
+                      fmt::format("{} and {}, whole picture", first, second));
+    const Estimate p = channel_estimate(a, 1), q = channel_estimate(b, 1);
+    fmt::print("[ measured ] {} / {}: mean ratio {:.4f} +- {:.4f}{}\n", second, first, q.mean / p.mean,
+               q.mean / p.mean * std::hypot(p.error / p.mean, q.error / q.mean),
+               skipped > 0 ? fmt::format(", {} of {} blocks compared", compared, compared + skipped) : "");
+}
+
+class Agreement : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Agreement, OfEveryPairOfIntegrators)
+{
+    const TestScene scene = agreement_scene(GetParam());
+    std::vector<std::pair<std::string, std::vector<Image>>> all;
+    uint64_t seed = 100;
+    for (const std::string& name : integrator_names()) {
+        const bool excepted = std::any_of(std::begin(exceptions), std::end(exceptions), [&](const Exception& e) {
+            return e.integrator == name && e.scene == GetParam();
+        });
+        seed += 1000;
+        if (excepted || !scene.suits(name)) continue;
+        RenderRequest request;
+        request.integrator = name;
+        request.passes = 16;
+        request.settings = small_settings(name, request.passes);
+        request.seed = seed;
+        all.emplace_back(name, scene.render_batches(request, batches));
+        const Estimate mean = channel_estimate(all.back().second, 1);
+        EXPECT_LT(mean.error, largest_error * mean.mean) << name << " is too noisy to tell";
+    }
+    ASSERT_GE(all.size(), 2u);
+    for (size_t i = 0; i < all.size(); ++i)
+        for (size_t k = i + 1; k < all.size(); ++k)
+            compare_pair(scene, all[i].second, all[k].second, all[i].first, all[k].first);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, ::testing::ValuesIn(agreement_scenes()),
+                         [](const auto& test) { return test.param; });
+
+// Grey surfaces and lights have the same picture in both colour models, and the same as pbrt's RGB values say.
+class ColorModels : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ColorModels, AgreeOnGreyScenes)
+{
+    const TestScene scene = TestScene::from_text(R"(
+LookAt 0 0 3.6  0 0 0  0 1 0
+Camera "perspective" "float fov" [38]
+Film "rgb" "integer xresolution" [16] "integer yresolution" [16]
+WorldBegin
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [7 7 7]
+Shape "bilinearmesh" "point3 P" [-0.5 0.98 -0.5  0.5 0.98 -0.5  -0.5 0.98 0.5  0.5 0.98 0.5]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "bilinearmesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 -1 1  1 -1 1]
+Shape "bilinearmesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1]
+Material "dielectric" "float eta" [1.5]
+Shape "sphere" "float radius" [0.5])");
+    std::map<ColorModel, std::vector<Image>> images;
+    for (ColorModel model : {ColorModel::rgb, ColorModel::spectral}) {
+        RenderRequest request;
+        request.integrator = GetParam();
+        request.passes = 32;
+        request.settings = small_settings(GetParam(), request.passes);
+        request.seed = model == ColorModel::rgb ? 1 : 1000;
+        request.color_model = model;
+        images[model] = scene.render_batches(request, batches);
+    }
+    for (int c = 0; c < 3; ++c) {
+        const Estimate a = channel_estimate(images[ColorModel::rgb], c);
+        const Estimate b = channel_estimate(images[ColorModel::spectral], c);
+        EXPECT_GT(p_value(a, b, 3e-4 * a.mean), significance) << fmt::format(
+            "channel {}: rgb {:.5f} +- {:.5f}, spectral {:.5f} +- {:.5f}", c, a.mean, a.error, b.mean, b.error);
+        EXPECT_LT(b.error, largest_error * b.mean) << "too noisy to tell";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, ColorModels, ::testing::ValuesIn(integrator_names()),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace dapple::testing
