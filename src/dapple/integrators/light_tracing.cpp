@@ -4,6 +4,7 @@
 // t = 1 technique). Finds LS*DE caustics; cannot see anything in or through a delta surface. Lights seen directly or
 // through delta surfaces (L S* E) come from one eye path per pixel and pass. Error falls as N^-1 in MSE; cost: one
 // shadow ray per vertex inside the picture.
+#include "dapple/cameras/raster_copies.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/integrators/registry.h"
 #include "dapple/transport/connect.h"
@@ -73,16 +74,18 @@ private:
         Walk photon;
         if (!emit(world, wavelengths, random, photon)) return;
         const Sensor& sensor = film.settings().sensor;
+        const Vec2 radius = film.settings().filter.radius();
+        const float margin = std::max(radius.x, radius.y);
 
         while (const Vertex* vertex = photon.next(world, random)) {
             if (photon.depth() > max_depth_) return;
             SeenByCamera seen;
-            if (!vertex->is_delta() &&
-                connect_to_camera(world, photon, *vertex, std::max(film.settings().filter.radius().x, film.settings().filter.radius().y), random, seen)) {
+            if (!vertex->is_delta() && connect_to_camera(world, photon, *vertex, margin, random, seen)) {
                 PathEvents events = photon.events();
                 vertex->on_surface ? events.add_surface(false) : events.add_medium();
-                film.splat(seen.raster, sensor.to_rgb(seen.contribution * scale, wavelengths), classify({}, events),
-                           photon.light_group);
+                const Vec3 rgb = sensor.to_rgb(seen.contribution * scale, wavelengths);
+                for (const Vec2& raster : raster_copies(world.camera, seen.raster, margin))
+                    film.splat(raster, rgb, classify({}, events), photon.light_group);
             }
             if (!photon.survive_roulette(random)) return;
         }
