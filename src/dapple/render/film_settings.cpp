@@ -42,7 +42,8 @@ bool read_numbers(const std::string& text, char separator, std::array<double, co
 }
 
 // pbrt's rounding of crop windows: pixels from ceil(size * part) on, so that neighbouring windows never share a pixel.
-int crop_edge(double part, int size) { return std::clamp(static_cast<int>(std::ceil(size * part)), 0, size); }
+int crop_pixel(double pixel, int size) { return static_cast<int>(std::clamp(std::ceil(pixel), 0.0, double(size))); }
+int crop_edge(double part, int size) { return crop_pixel(size * part, size); }
 
 }  // namespace
 
@@ -99,7 +100,7 @@ void set_resolution(scene::Film& film, const std::string& text)
     film.resolution = Int2(static_cast<int>(size[0]), static_cast<int>(size[1]));
     for (int axis = 0; axis < 2; ++axis) {
         const auto scaled = [&](int edge) {
-            return crop_edge(static_cast<double>(edge) / old[axis], film.resolution[axis]);
+            return crop_pixel(static_cast<double>(edge) * film.resolution[axis] / old[axis], film.resolution[axis]);
         };
         film.crop_min[axis] = std::min(scaled(film.crop_min[axis]), film.resolution[axis] - 1);
         film.crop_max[axis] = std::max(scaled(film.crop_max[axis]), film.crop_min[axis] + 1);
@@ -114,7 +115,8 @@ void set_crop(scene::Film& film, const std::string& text)
     const bool parts = *std::max_element(edges.begin(), edges.end()) <= 1;
     for (int axis = 0; axis < 2; ++axis) {
         const int size = film.resolution[axis];
-        const auto edge = [&](double value) { return crop_edge(parts ? value : value / size, size); };
+        // Pixels are not taken as parts of the image, whose rounding could go past a whole number.
+        const auto edge = [&](double value) { return parts ? crop_edge(value, size) : crop_pixel(value, size); };
         film.crop_min[axis] = edge(edges[static_cast<size_t>(2 * axis)]);
         film.crop_max[axis] = edge(edges[static_cast<size_t>(2 * axis + 1)]);
         if (film.crop_min[axis] >= film.crop_max[axis])

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace dapple {
 namespace {
 
@@ -37,6 +39,17 @@ TEST(Crop, TakesPixels)
     set_crop(film, "10,20,0,2000");
     EXPECT_EQ(film.crop_min, Int2(10, 0));
     EXPECT_EQ(film.crop_max, Int2(20, 50));
+}
+
+TEST(Crop, TakesEveryPixelAsItIs)
+{
+    for (int edge = 0; edge < 270; ++edge) {
+        scene::Film film = film_of(270, 270);  // 270 * (109.0 / 270) is above 109
+        set_crop(film, std::to_string(edge) + ",270," + std::to_string(edge) + ",270");
+        set_resolution(film, "270x270");
+        EXPECT_EQ(film.crop_min, Int2(edge, edge));
+        EXPECT_EQ(film.crop_max, Int2(270, 270));
+    }
 }
 
 TEST(Crop, RefusesWhatHoldsNoPixel)
