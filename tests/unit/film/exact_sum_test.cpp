@@ -119,5 +119,17 @@ TEST(AtomicExactSum, CarriesBetweenWords)
         }
 }
 
+TEST(ExactSum, AddingAloneIsAddingLocked)
+{
+    AtomicExactSum locked{0, 0}, alone{0, 0};
+    // Signs and sizes that carry between the two words both ways.
+    for (const double term : {0.5, -0.75, 15.0, -31.5, 1e12, -1e12, 3e-18, -5e-18, 16.75, 0x1p40, -0x1p43}) {
+        locked.add(to_fixed(term));
+        alone.add_alone(to_fixed(term));
+        EXPECT_EQ(locked.low, alone.low);
+        EXPECT_EQ(locked.high, alone.high);
+    }
+}
+
 }  // namespace
 }  // namespace dapple

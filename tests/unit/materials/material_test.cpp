@@ -196,5 +196,38 @@ TEST_F(MaterialTest, NormalMapsAreInTheTangentFrame)
     EXPECT_LT(length(bsdf.frame.n - Vec3(-local.y, local.x, local.z)), 1e-5f);
 }
 
+TEST_F(MaterialTest, KnowsWhoLooksAtTangents)
+{
+    Material plain;
+    plain.u_roughness = plain.v_roughness = number(0.2f);
+    EXPECT_FALSE(uses_tangents(plain));
+    Material brushed = plain;
+    brushed.v_roughness = number(0.3f);
+    EXPECT_TRUE(uses_tangents(brushed));
+    Material brushed_coat = plain;
+    brushed_coat.coat_u_roughness = number(0.1f);
+    brushed_coat.coat_v_roughness = number(0.3f);
+    EXPECT_TRUE(uses_tangents(brushed_coat));
+    Material bumped = plain;
+    bumped.displacement = number(0.0f);
+    EXPECT_TRUE(uses_tangents(bumped));
+    Material mapped = plain;
+    mapped.normal_map = 0;
+    EXPECT_TRUE(uses_tangents(mapped));
+
+    // Through mixes, and mixes that form a circle.
+    Material mix;
+    mix.kind = Material::Kind::mix;
+    mix.mix[0] = MaterialId(0);
+    mix.mix[1] = MaterialId(1);
+    materials.list = {plain, mix};
+    EXPECT_FALSE(uses_tangents(materials, MaterialId(0)));
+    EXPECT_FALSE(uses_tangents(materials, MaterialId(1)));
+    materials.list[1].mix[1] = MaterialId(2);
+    materials.list.push_back(brushed);
+    EXPECT_FALSE(uses_tangents(materials, MaterialId(0)));
+    EXPECT_TRUE(uses_tangents(materials, MaterialId(1)));
+}
+
 }  // namespace
 }  // namespace dapple

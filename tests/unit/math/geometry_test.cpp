@@ -114,5 +114,18 @@ TEST(Hash, BitsAreBalancedAndAvalanche)
     EXPECT_LT(to_unit_float(~0ull), 1.0f);
 }
 
+TEST(NextFloat, IsNextafter)
+{
+    for (uint64_t i = 0; i < 2000; ++i) {
+        const float x = uniform(8, i) * std::exp2(100.0f * uniform(9, i));
+        EXPECT_EQ(next_float(x, true), std::nextafter(x, infinity));
+        EXPECT_EQ(next_float(x, false), std::nextafter(x, -infinity));
+    }
+    for (const float x : {0.0f, -0.0f, 0x1p-149f, -0x1p-149f, 1.0f, -1.0f, 0x1p-126f}) {
+        EXPECT_EQ(next_float(x, true), std::nextafter(x, infinity));
+        EXPECT_EQ(next_float(x, false), std::nextafter(x, -infinity));
+    }
+}
+
 }  // namespace
 }  // namespace dapple

@@ -177,5 +177,16 @@ TEST(RandomStream, IndicesCoverTheirRange)
     }
 }
 
+TEST(RandomStream, SecondSobolDimensionIsTheSumOfItsDirectionNumbers)
+{
+    for (uint32_t i = 0; i < 2000; ++i) {
+        const uint32_t index = i < 1000 ? i : static_cast<uint32_t>(mix64(i));
+        uint32_t expected = 0;
+        for (uint32_t bit = 0, direction = 1u << 31; bit < 32; ++bit, direction ^= direction >> 1)
+            if (index >> bit & 1u) expected ^= direction;
+        ASSERT_EQ(detail::reverse_bits(detail::sobol_second_reversed(index)), expected) << index;
+    }
+}
+
 }  // namespace
 }  // namespace dapple

@@ -147,5 +147,23 @@ TEST(Mesh, RaysLeavingATriangleDoNotHitItAgain)
     EXPECT_GT(grazing, 1000);
 }
 
+TEST(Mesh, LeavingOutTangentsChangesNothingElse)
+{
+    for (uint64_t i = 0; i < 300; ++i) {
+        MeshTriangle t = random_triangle(i, 1.0f, Vec3(0.5f, 1.0f, -1.0f));
+        t.has_uv = i % 3 != 0;
+        t.has_normals = i % 2 != 0;
+        t.flip = i % 5 == 0;
+        const SurfacePoint full = mesh_surface_point(t, {0.3f, 0.4f}, 0.25f);
+        const SurfacePoint plain = mesh_surface_point(t, {0.3f, 0.4f}, 0.25f, SurfaceDetail::no_tangents);
+        EXPECT_EQ(plain.position, full.position);
+        EXPECT_EQ(plain.error, full.error);
+        EXPECT_EQ(plain.n_geometric, full.n_geometric);
+        EXPECT_EQ(plain.n_shading, full.n_shading);
+        EXPECT_EQ(plain.uv, full.uv);
+        EXPECT_EQ(plain.time, full.time);
+    }
+}
+
 }  // namespace
 }  // namespace dapple
