@@ -7,8 +7,8 @@
 //   direct      L D S* E    sampled: light sampling and gather rays that meet lights, weighed by MIS
 //   caustic     LS+D S* E   from the caustic map at x, kernel of fixed radius
 //   indirect                gather rays from x; at the second vertex y the global map gives all light that leaves y.
-//                           Where y is nearer than the width of the estimate there, the path goes on instead: direct
-//                           light and caustics are taken at y, and the next vertex is asked.
+//                           Where y is nearer than the width of the estimate there, or is rough glass or metal, the path
+//                           goes on instead: direct light and caustics are taken at y, and the next vertex is asked.
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with the caustic radius of
@@ -307,7 +307,7 @@ private:
             if (walk.depth() > settings_.max_depth_) return;
             if (!vertex->is_delta()) {
                 // What a smooth coat mirrors is seen sharply, as from the eye.
-                if (walk.events().diffuse > 0 && add_from_global_map(walk, since_last)) return;
+                if (walk.events().diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last)) return;
                 add_direct(walk);
                 add_caustics(walk, false);
                 since_last = 0.0f;
@@ -315,6 +315,14 @@ private:
             if (!walk.survive_roulette(sample_.random)) return;
         }
         if (!(walk.events().diffuse > 0 && walk.events().specular_since_last)) add_escaped(walk, true);
+    }
+
+    // Whether scattering spreads over the hemisphere, so that the few photons of an estimate sample it well. Rough glass
+    // and metal are left to the gather ray, which goes on.
+    static bool is_wide(const Bsdf& bsdf)
+    {
+        return bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission ||
+               bsdf.kind == BsdfKind::coated_diffuse;
     }
 
     // False when the vertex is nearer to the last one than the estimate is wide.
