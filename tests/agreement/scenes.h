@@ -25,7 +25,7 @@ inline TestScene agreement_scene(const std::string& name)
 inline SettingList small_settings(const std::string& integrator, uint32_t passes)
 {
     const SettingList wanted = {
-        {"photons", "40000"}, {"causticphotons", "40000"}, {"epoch", std::to_string(passes)}, {"gatherrays", "2"}};
+        {"photons", "20000"}, {"causticphotons", "20000"}, {"epoch", std::to_string(passes)}, {"gatherrays", "2"}};
     SettingList known;
     for (const auto& setting : wanted)
         if (has_setting(integrator, setting.first)) known.push_back(setting);

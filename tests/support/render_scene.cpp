@@ -4,6 +4,7 @@
 #include "dapple/integrators/integrator.h"
 #include "dapple/render/film_settings.h"
 #include "dapple/render/scene_defaults.h"
+#include "dapple/transport/walk.h"
 #include "dapple/world/compile.h"
 
 #include <algorithm>
@@ -34,6 +35,18 @@ TestScene TestScene::from_text(const std::string& text, const std::filesystem::p
 bool TestScene::suits(const std::string& integrator) const
 {
     return !world_->has_scattering_media || find_integrator(integrator).media;
+}
+
+bool TestScene::sees_delta(int x0, int x1, int y0, int y1) const
+{
+    for (int y = 4 * y0 - 4; y < 4 * y1 + 4; ++y)
+        for (int x = 4 * x0 - 4; x < 4 * x1 + 4; ++x) {
+            RandomStream random(1, 2, static_cast<uint32_t>(y * 8192 + x));
+            Walk eye = start_at_camera(*world_, Vec2(x + 0.5f, y + 0.5f) * 0.25f, Wavelengths::rgb(), random);
+            const Vertex* vertex = eye.next(*world_, random);
+            if (vertex && vertex->on_surface && (vertex->is_delta() || vertex->has_delta_lobe())) return true;
+        }
+    return false;
 }
 
 Rendered TestScene::render(const RenderRequest& request) const

@@ -42,10 +42,16 @@ public:
     static TestScene from_text(const std::string& text, const std::filesystem::path& folder = ".",
                                Int2 resolution = {0, 0});
 
+    TestScene(scene::Description description, Int2 resolution);
+
     const World& world() const { return *world_; }
     const scene::Description& description() const { return *description_; }
     // Whether the scene has only surfaces, or the integrator can do media.
     bool suits(const std::string& integrator) const;
+
+    // Whether some eye path of the pixels [x0, x1) x [y0, y1), or of those beside them that filters reach, starts with
+    // a surface that has a delta lobe; tried with 16 paths per pixel.
+    bool sees_delta(int x0, int x1, int y0, int y1) const;
 
     Rendered render(const RenderRequest& request) const;
 
@@ -53,8 +59,6 @@ public:
     std::vector<Image> render_batches(const RenderRequest& request, int batches) const;
 
 private:
-    TestScene(scene::Description description, Int2 resolution);
-
     std::unique_ptr<scene::Description> description_;
     std::unique_ptr<World> world_;
 };
