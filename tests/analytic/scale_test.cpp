@@ -59,6 +59,8 @@ TEST_P(Scale, DoesNotShowInThePicture)
         request.passes = 4;
         request.seed = 50 + static_cast<uint64_t>(s * 1000);  // independent
         request.color_model = ColorModel::rgb;
+        for (const char* name : {"photons", "causticphotons"})
+            if (has_setting(GetParam(), name)) request.settings.emplace_back(name, "10000");
         images[s] = TestScene::from_text(room(s)).render_batches(request, batches);
     }
     for (double s : {1e-3, 1e3})
