@@ -19,14 +19,14 @@ enum class PathClass : uint8_t {
 };
 inline constexpr int path_class_count = 5;
 inline constexpr std::array<std::string_view, path_class_count> path_class_names = {"emission", "direct", "caustic",
-                                                                                   "indirect", "volume"};
+                                                                                    "indirect", "volume"};
 
 // Counts the events of a path, seen from one of its ends.
 struct PathEvents {
-    uint16_t diffuse = 0;                 // non-delta surface vertices (D) so far
-    bool specular_before_first = false;   // a delta vertex before the first D
-    bool specular_since_last = false;     // a delta vertex since the last D, or since the start
-    bool volume = false;                  // a scattering in a medium
+    uint16_t diffuse = 0;                // non-delta surface vertices (D) so far
+    bool specular_before_first = false;  // a delta vertex before the first D
+    bool specular_since_last = false;    // a delta vertex since the last D, or since the start
+    bool volume = false;                 // a scattering in a medium
 
     constexpr void add_surface(bool delta)
     {

@@ -20,6 +20,14 @@ inline constexpr int kernel_count = 5;
 inline constexpr std::array<std::string_view, kernel_count> kernel_names = {"constant", "cone", "gaussian",
                                                                             "epanechnikov", "silverman"};
 
+// The kernel of a name in kernel_names; Epanechnikov's for any other.
+inline KernelKind kernel_named(std::string_view name)
+{
+    for (size_t i = 0; i < kernel_names.size(); ++i)
+        if (kernel_names[i] == name) return static_cast<KernelKind>(i);
+    return KernelKind::epanechnikov;
+}
+
 inline constexpr float gaussian_kernel_sigma = 0.4f;
 
 namespace detail {

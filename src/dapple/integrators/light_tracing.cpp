@@ -4,6 +4,7 @@
 // t = 1 technique). Finds LS*DE caustics; cannot see anything in or through a delta surface. Lights seen directly or
 // through delta surfaces (L S* E) come from one eye path per pixel and pass. Error falls as N^-1 in MSE; cost: one
 // shadow ray per vertex inside the picture.
+#include "dapple/base/log.h"
 #include "dapple/cameras/raster_copies.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/integrators/registry.h"
@@ -68,7 +69,8 @@ private:
     void trace(const PassContext& context, Film& film, ColorModel model, int64_t index, float scale) const
     {
         const World& world = context.world;
-        RandomStream random(context.seed, hash_words(static_cast<uint64_t>(StreamPurpose::splat), uint64_t(index) >> 32),
+        RandomStream random(context.seed,
+                            hash_words(static_cast<uint64_t>(StreamPurpose::splat), uint64_t(index) >> 32),
                             static_cast<uint32_t>(index));
         const Wavelengths wavelengths = choose_wavelengths(model, random.next());
         Walk photon;
@@ -95,15 +97,18 @@ private:
     int64_t particles_;  // 0: one per pixel
 };
 
-std::unique_ptr<Integrator> create(const World&, const Settings& settings)
+std::unique_ptr<Integrator> create(const World& world, const Settings& settings)
 {
+    if (world.has_emitting_media)
+        log_warning("lightpath leaves out the light of emitting media: no particles start in them; use path");
     return std::make_unique<LightTracing>(settings);
 }
 
 }  // namespace
 
 extern const IntegratorEntry light_tracing_entry{
-    "lightpath", "light tracing: particles connected to the camera; good at caustics on matte surfaces", settings_table,
-    true, false, create};
+    "lightpath",    "light tracing: particles connected to the camera; good at caustics on matte surfaces",
+    settings_table, true,
+    false,          create};
 
 }  // namespace dapple

@@ -35,8 +35,7 @@ private:
 
         while (const Vertex* vertex = eye.next(world, random)) {
             guides.see(*vertex);
-            if (!eye.medium_emission().is_black())
-                sample.add(eye.medium_emission(), PathClass::volume, LightGroup(0u));
+            if (!eye.medium_emission().is_black()) sample.add(eye.medium_emission(), PathClass::volume, LightGroup(0u));
             if (vertex->emitter.valid())
                 sample.add(met_emission(world, eye, true), classify(eye.events(), {}),
                            world.lights.list[vertex->emitter.value].group);
@@ -47,8 +46,7 @@ private:
             }
             if (eye.depth() > 1 && !eye.survive_roulette(random)) return;
         }
-        if (!eye.medium_emission().is_black())
-            sample.add(eye.medium_emission(), PathClass::volume, LightGroup(0u));
+        if (!eye.medium_emission().is_black()) sample.add(eye.medium_emission(), PathClass::volume, LightGroup(0u));
         if (eye.escaped())
             for (LightId light : world.environments)
                 sample.add(met_environment(world, eye, light, true), classify(eye.events(), {}),
@@ -74,6 +72,7 @@ std::unique_ptr<Integrator> create(const World&, const Settings& settings)
 }  // namespace
 
 extern const IntegratorEntry path_tracing_entry{
-    "path", "path tracing: unbiased reference; surfaces and media; poor at caustics", settings_table, true, false, create};
+    "path", "path tracing: unbiased reference; surfaces and media; poor at caustics", settings_table, true, false,
+    create};
 
 }  // namespace dapple

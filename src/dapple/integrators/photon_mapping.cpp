@@ -7,8 +7,9 @@
 //   direct      L D S* E    sampled: light sampling and gather rays that meet lights, weighed by MIS
 //   caustic     LS+D S* E   from the caustic map at x, kernel of fixed radius
 //   indirect                gather rays from x; at the second vertex y the global map gives all light that leaves y.
-//                           Where y is nearer than the width of the estimate there, or is rough glass or metal, the path
-//                           goes on instead: direct light and caustics are taken at y, and the next vertex is asked.
+//                           Where y is nearer than the width of the estimate there, or is rough glass or metal, the
+//                           path goes on instead: direct light and caustics are taken at y, and the next vertex is
+//                           asked.
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with the caustic radius of
@@ -50,13 +51,6 @@ constexpr SettingInfo settings_table[] = {
      "ceiling for the photon maps of an epoch: fewer photons per epoch rather than more"},
 };
 
-KernelKind kernel_named(std::string_view name)
-{
-    for (int i = 0; i < kernel_count; ++i)
-        if (kernel_names[static_cast<size_t>(i)] == name) return static_cast<KernelKind>(i);
-    return KernelKind::epanechnikov;
-}
-
 struct Epoch {
     uint64_t seed = 0;
     uint32_t index = 0;
@@ -82,8 +76,8 @@ public:
           memory_(settings.is_auto("memory") ? 0 : settings.integer("memory"))
     {
         if (nearest_ == 1) throw UserError("setting 'nearest' needs 0 or at least 2 photons");
-        if (world.has_scattering_media)
-            throw UserError("photonmap does not store photons in scattering media yet; use path or lightpath");
+        if (world.has_scattering_media || world.has_emitting_media)
+            throw UserError("photonmap does not know media that scatter or emit yet; use path or lightpath");
     }
 
     void render_pass(const PassContext& context, Film& film) override;
@@ -317,8 +311,8 @@ private:
         if (!(walk.events().diffuse > 0 && walk.events().specular_since_last)) add_escaped(walk, true);
     }
 
-    // Whether scattering spreads over the hemisphere, so that the few photons of an estimate sample it well. Rough glass
-    // and metal are left to the gather ray, which goes on.
+    // Whether scattering spreads over the hemisphere, so that the few photons of an estimate sample it well. Rough
+    // glass and metal are left to the gather ray, which goes on.
     static bool is_wide(const Bsdf& bsdf)
     {
         return bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission ||
@@ -330,8 +324,8 @@ private:
     {
         const Vertex& vertex = walk.vertex();
         if (vertex.bsdf.kind == BsdfKind::diffuse && !maps_.irradiance.empty()) {
-            const IrradianceRecord* record =
-                maps_.irradiance.nearest(vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo));
+            const IrradianceRecord* record = maps_.irradiance.nearest(
+                vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo), since_last);
             if (record && record->radius >= since_last) return false;
             if (record) {
                 const Spectrum radiance = vertex.bsdf.a * inv_pi * record->irradiance;
@@ -339,8 +333,10 @@ private:
                 return true;
             }
         }
-        const EstimateSupport support = find_photons(walk, maps_.global, settings_.global_bandwidth(caustic_radius()));
-        if (support.radius >= since_last) return false;
+        // A wider estimate would be refused: the search need not look further.
+        Bandwidth bandwidth = settings_.global_bandwidth(caustic_radius());
+        bandwidth.max_radius = std::min(bandwidth.max_radius, since_last);
+        if (find_photons(walk, maps_.global, bandwidth).radius >= since_last) return false;
         add_photons(walk, maps_.global);
         return true;
     }

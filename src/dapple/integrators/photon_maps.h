@@ -12,9 +12,9 @@
 namespace dapple {
 
 struct PhotonMapPlan {
-    int64_t global_paths = 0;     // light paths per epoch, all wavelength sets together
-    int64_t caustic_paths = 0;    // further paths, kept for the caustic map only
-    int wavelength_sets = 4;      // 1 in the rgb model
+    int64_t global_paths = 0;   // light paths per epoch, all wavelength sets together
+    int64_t caustic_paths = 0;  // further paths, kept for the caustic map only
+    int wavelength_sets = 4;    // 1 in the rgb model
     int max_depth = 100;
     bool precompute_irradiance = false;
     Bandwidth irradiance_bandwidth;

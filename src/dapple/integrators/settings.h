@@ -25,7 +25,7 @@ public:
     void set(const std::string& name, const std::string& value);
 
     bool is_auto(std::string_view name) const;
-    double number(std::string_view name) const;      // accepts 1e6, 500k, 2M, 1G
+    double number(std::string_view name) const;  // accepts 1e6, 500k, 2M, 1G
     int64_t integer(std::string_view name) const;
     bool boolean(std::string_view name) const;
     std::string_view word(std::string_view name) const;

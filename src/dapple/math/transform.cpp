@@ -196,7 +196,8 @@ Transform AnimatedTransform::at(float time) const
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             scale.m[i][j] = (1.0 - time) * parts_[0].scale.m[i][j] + time * parts_[1].scale.m[i][j];
-    return Transform(translation(lerp(time, parts_[0].translation, parts_[1].translation)) * quaternion_matrix(q) * scale);
+    return Transform(translation(lerp(time, parts_[0].translation, parts_[1].translation)) * quaternion_matrix(q) *
+                     scale);
 }
 
 }  // namespace dapple

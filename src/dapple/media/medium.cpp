@@ -54,6 +54,12 @@ Spectrum grid_emission(const Media& media, const SpectrumPool& pool, const Mediu
 
 }  // namespace
 
+bool Medium::emits() const
+{
+    constexpr uint32_t none = Id<int>::none_value;
+    return emission.scale != 0.0f || temperature != none || emission_grid != none;
+}
+
 bool Medium::scatters() const { return kind == Kind::rgb_grid ? sigma_scale != 0.0f : sigma_s.scale != 0.0f; }
 
 MediumPoint evaluate(const Media& media, const SpectrumPool& pool, const Medium& medium, const Vec3& p,

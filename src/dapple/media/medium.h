@@ -43,6 +43,7 @@ struct Medium {
     float emission_grid_scale = 1.0f;  // rgb_grid, and blackbody emission (whose peak over wavelengths is 1 otherwise)
     uint32_t majorants = Id<int>::none_value;  // index into Media::majorants
     bool scatters() const;                     // may be true where sigma_s is zero, never the reverse
+    bool emits() const;                        // may be true where the emission is zero, never the reverse
 };
 
 struct Media {

@@ -12,8 +12,7 @@ namespace dapple {
 class RandomStream {
 public:
     // stream: which sequence (a pixel, or a purpose such as "photons of set 3"); index: which point of it.
-    RandomStream(uint64_t seed, uint64_t stream, uint32_t index)
-        : key_(mix64(hash_words(seed, stream))), index_(index)
+    RandomStream(uint64_t seed, uint64_t stream, uint32_t index) : key_(mix64(hash_words(seed, stream))), index_(index)
     {
     }
 
@@ -90,8 +89,8 @@ inline Vec2 RandomStream::next_2d()
     const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
     const uint64_t scramble = mix64(h);
     const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(scramble));
-    const uint32_t y = detail::owen_scramble_reversed(detail::sobol_second_reversed(shuffled),
-                                                      static_cast<uint32_t>(scramble >> 32));
+    const uint32_t y =
+        detail::owen_scramble_reversed(detail::sobol_second_reversed(shuffled), static_cast<uint32_t>(scramble >> 32));
     return {detail::to_unit_float32(detail::reverse_bits(x)), detail::to_unit_float32(detail::reverse_bits(y))};
 }
 

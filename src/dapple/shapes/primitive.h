@@ -22,7 +22,8 @@ struct Primitive {
     bool flip = false;
     Vec3 p[4]{Vec3(0), Vec3(0), Vec3(0), Vec3(0)};  // triangle (3), bilinear patch (4: p00, p10, p01, p11), world space
     Vec2 uv[4]{Vec2(0), Vec2(0), Vec2(0), Vec2(0)};
-    Vec3 n[4]{Vec3(0), Vec3(0), Vec3(0), Vec3(0)};  // shading normals, world space, negated already under ReverseOrientation
+    Vec3 n[4]{Vec3(0), Vec3(0), Vec3(0),
+              Vec3(0)};  // shading normals, world space, negated already under ReverseOrientation
     bool has_normals = false;
     bool has_uv = false;                // false: triangle (0,0),(1,0),(1,1); patch the unit square
     Transform world_from_object;        // quadrics; affine

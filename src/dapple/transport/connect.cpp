@@ -16,8 +16,8 @@ Vec3 leave(const Vertex& vertex, const Vec3& wi)
     return offset_ray_origin(vertex.at.position, vertex.at.error, vertex.at.n_geometric, wi);
 }
 
-// A connection ray between two points that are already offset from their surfaces. The small margin keeps float rounding
-// of the length from meeting the far end.
+// A connection ray between two points that are already offset from their surfaces. The small margin keeps float
+// rounding of the length from meeting the far end.
 Ray connection_ray(const Vec3& from, const Vec3& to, float time, float& t_max)
 {
     const Vec3 d = to - from;
@@ -48,7 +48,8 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
     const LightId id(world.light_choice.sample(u_light));
     const float probability = world.light_probability(id);
     DirectSample sample;
-    if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u, walk.wavelengths(), sample))
+    if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u, walk.wavelengths(),
+                       sample))
         return result;
     sample.radiance *= world.opacity(world.lights.list[id.value], sample.position, sample.normal, sample.uv);
     const Scattering scattering = evaluate_scattering(vertex, sample.wi, TransportMode::radiance);
@@ -72,8 +73,8 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
     if (weigh && !sample.delta) weight_denominator += path_pdf * through.path_pdf * scattering.pdf;
     const float denominator = weight_denominator.average();
     if (!(denominator > 0.0f)) return result;
-    result.radiance = walk.source() * walk.throughput() * scattering.value * sample.radiance * through.value *
-                      (1.0f / denominator);
+    result.radiance =
+        walk.source() * walk.throughput() * scattering.value * sample.radiance * through.value * (1.0f / denominator);
     result.group = world.lights.list[id.value].group;
     result.found = true;
     return result;
@@ -82,8 +83,8 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
 Spectrum met_emission(const World& world, const Walk& walk, bool weigh)
 {
     const Vertex& vertex = walk.vertex();
-    const Spectrum radiance = emitted_area(world.lights, world.spectra, vertex.emitter, vertex.at.uv, vertex.at.n_geometric,
-                                           vertex.wo, walk.wavelengths());
+    const Spectrum radiance = emitted_area(world.lights, world.spectra, vertex.emitter, vertex.at.uv,
+                                           vertex.at.n_geometric, vertex.wo, walk.wavelengths());
     if (radiance.is_black()) return radiance;
     Spectrum denominator = walk.path_pdf();
     if (weigh && walk.pdf_direction() > 0.0f) {
@@ -102,7 +103,8 @@ Spectrum met_environment(const World& world, const Walk& walk, LightId light, bo
     if (radiance.is_black()) return radiance;
     Spectrum denominator = walk.path_pdf();
     if (weigh && walk.pdf_direction() > 0.0f)
-        denominator += walk.light_pdf() * (world.light_probability(light) * direct_pdf_environment(world.lights, light, d));
+        denominator +=
+            walk.light_pdf() * (world.light_probability(light) * direct_pdf_environment(world.lights, light, d));
     return walk.source() * walk.throughput() * radiance * (1.0f / denominator.average());
 }
 
@@ -121,8 +123,8 @@ bool connect_to_camera(const World& world, const Walk& walk, const Vertex& verte
     if (through.blocked()) return false;
     const float density = (walk.path_pdf() * through.light_pdf).average();
     seen.raster = connection.raster;
-    seen.contribution = walk.source() * walk.throughput() * scattering.value * through.value *
-                        (connection.importance / density);
+    seen.contribution =
+        walk.source() * walk.throughput() * scattering.value * through.value * (connection.importance / density);
     return true;
 }
 

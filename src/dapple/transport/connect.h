@@ -16,7 +16,7 @@ Scattering evaluate_scattering(const Vertex& vertex, const Vec3& wi, TransportMo
 
 // Direct light at a vertex, estimated with one light sample.
 struct DirectLight {
-    Spectrum radiance;     // towards wo [W/(m2 sr nm)], MIS weight against scattering included
+    Spectrum radiance;  // towards wo [W/(m2 sr nm)], MIS weight against scattering included
     LightGroup group{0u};
     bool found = false;
 };

@@ -68,8 +68,7 @@ MediumEvent cross_medium(const World& world, MediumId medium_id, const Ray& ray,
         }
     }
     // Light sampling knows the transmittance of a homogeneous medium exactly: it crosses with density 1.
-    const Spectrum light_density =
-        medium.kind == Medium::Kind::homogeneous ? Spectrum(1.0f) : majorant_transmittance;
+    const Spectrum light_density = medium.kind == Medium::Kind::homogeneous ? Spectrum(1.0f) : majorant_transmittance;
     apply(event, majorant_transmittance, light_density, majorant_transmittance[kept_lane]);
     return event;
 }
@@ -154,8 +153,7 @@ Transmittance transmittance(const World& world, Ray ray, float t_max, MediumId m
                 return result;
             }
         }
-        if (medium.valid())
-            attenuate(result, world, medium, ray, met ? hit.t : t_max, wavelengths, kept_lane, random);
+        if (medium.valid()) attenuate(result, world, medium, ray, met ? hit.t : t_max, wavelengths, kept_lane, random);
         if (!met || result.value.is_black()) return result;
         medium = world.medium_beyond(hit.geometry, dot(ray.direction, at.n_geometric) > 0.0f, medium);
         const Vec3 origin = offset_ray_origin(at.position, at.error, at.n_geometric, ray.direction);

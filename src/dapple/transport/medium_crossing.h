@@ -1,7 +1,7 @@
 // Crossing a medium along a ray: free-flight sampling (delta tracking) and transmittance (ratio tracking) over local
 // majorants. Miller, Georgiev, Jarosz 2019, "A null-scattering path integral formulation of light transport"; Novak,
-// Selle, Jarosz 2014, "Residual ratio tracking" (without the residual). Factors are per lane, relative to the density of
-// the deciding lane; see walk.h for path_pdf and light_pdf.
+// Selle, Jarosz 2014, "Residual ratio tracking" (without the residual). Factors are per lane, relative to the density
+// of the deciding lane; see walk.h for path_pdf and light_pdf.
 #pragma once
 
 #include "dapple/sampling/random_stream.h"
@@ -12,11 +12,11 @@ namespace dapple {
 struct MediumEvent {
     enum class Kind : uint8_t { pass, scatter, absorb };
     Kind kind = Kind::pass;
-    float t = 0.0f;                // of the scattering [m along the unit ray direction]
-    Spectrum throughput{1.0f};     // factors of this crossing
+    float t = 0.0f;             // of the scattering [m along the unit ray direction]
+    Spectrum throughput{1.0f};  // factors of this crossing
     Spectrum path_pdf{1.0f};
     Spectrum light_pdf{1.0f};
-    Spectrum emission;             // radiance the medium added, relative to the throughput before the crossing
+    Spectrum emission;  // radiance the medium added, relative to the throughput before the crossing
 };
 
 // Travels through `medium` along `ray` up to t_max. path_pdf: the walk's so far, to weight emission.

@@ -14,10 +14,10 @@ namespace dapple {
 struct PhotonRequest {
     Wavelengths wavelengths;
     uint64_t seed = 0;
-    uint64_t stream = 0;       // tells this set of paths from all others
-    int64_t paths = 0;         // light paths to trace
-    bool caustic_only = false; // end each path with its first D: only LS+D photons are kept
-    int max_depth = 100;       // scatterings before the stored vertex, plus one
+    uint64_t stream = 0;        // tells this set of paths from all others
+    int64_t paths = 0;          // light paths to trace
+    bool caustic_only = false;  // end each path with its first D: only LS+D photons are kept
+    int max_depth = 100;        // scatterings before the stored vertex, plus one
     const std::atomic<bool>* cancel = nullptr;
 };
 

@@ -59,8 +59,8 @@ bool Walk::scatter(const World& world, RandomStream& random)
         pdf_direction_ = sample.pdf;
         if (sample.transmission && mode_ == TransportMode::radiance) eta_scale_ *= sqr(sample.eta);
         events_.add_surface(sample.delta);
-        ray_ = Ray{offset_ray_origin(vertex_.at.position, vertex_.at.error, vertex_.at.n_geometric, sample.wi), sample.wi,
-                   ray_.time};
+        ray_ = Ray{offset_ray_origin(vertex_.at.position, vertex_.at.error, vertex_.at.n_geometric, sample.wi),
+                   sample.wi, ray_.time};
         medium_ = world.medium_beyond(vertex_.geometry, dot(sample.wi, vertex_.at.n_geometric) > 0.0f, medium_);
     }
     light_pdf_ = pdf_direction_ > 0.0f ? path_pdf_ * (1.0f / pdf_direction_) : Spectrum(0.0f);

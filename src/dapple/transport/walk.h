@@ -4,17 +4,17 @@
 //     Walk walk = ...;                                    // from the camera, or emit() from a light
 //     while (const Vertex* vertex = walk.next(world, random)) { ... use the vertex ... }
 //
-// next() scatters at the current vertex (if there is one), then travels to the next: through vacuum, or through media by
-// delta tracking over piecewise majorants (Woodcock et al. 1965). Boundaries without a surface (interface materials) are
-// crossed silently.
+// next() scatters at the current vertex (if there is one), then travels to the next: through vacuum, or through media
+// by delta tracking over piecewise majorants (Woodcock et al. 1965). Boundaries without a surface (interface materials)
+// are crossed silently.
 //
-// Spectral tracking follows Wilkie et al. 2014 (hero wavelength) and Miller et al. 2019 ("A null-scattering path integral
-// formulation of light transport"): decisions are made for one lane, and `path_pdf` holds for each lane the density of
-// the same path had that lane decided, relative to the deciding lane's. A contribution is  throughput / mean(path_pdf)
-// (balance heuristic over lanes); `light_pdf` is the same for the path whose last direction light sampling chose, per
-// unit of light sampling density, so that MIS is  1 / mean(path_pdf + light_pdf * p_light). In vacuum path_pdf stays 1.
-// Where dispersion parts the lanes, the deciding one alone goes on: throughput and densities are times four there and
-// zero in the others, so that the same formulas hold.
+// Spectral tracking follows Wilkie et al. 2014 (hero wavelength) and Miller et al. 2019 ("A null-scattering path
+// integral formulation of light transport"): decisions are made for one lane, and `path_pdf` holds for each lane the
+// density of the same path had that lane decided, relative to the deciding lane's. A contribution is  throughput /
+// mean(path_pdf) (balance heuristic over lanes); `light_pdf` is the same for the path whose last direction light
+// sampling chose, per unit of light sampling density, so that MIS is  1 / mean(path_pdf + light_pdf * p_light). In
+// vacuum path_pdf stays 1. Where dispersion parts the lanes, the deciding one alone goes on: throughput and densities
+// are times four there and zero in the others, so that the same formulas hold.
 #pragma once
 
 #include "dapple/base/path_class.h"
@@ -70,8 +70,8 @@ public:
     // Radiance times throughput that emitting media added on the way to the current vertex (or out of the scene).
     const Spectrum& medium_emission() const { return medium_emission_; }
 
-    // Density per solid angle of the direction of the last ray, for MIS with light sampling; 0 when it left a delta lobe
-    // or the camera, where light sampling cannot compete.
+    // Density per solid angle of the direction of the last ray, for MIS with light sampling; 0 when it left a delta
+    // lobe or the camera, where light sampling cannot compete.
     float pdf_direction() const { return pdf_direction_; }
 
     // Scattering events so far: those of the vertices left behind; the current vertex is not yet counted.

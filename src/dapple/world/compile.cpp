@@ -28,7 +28,8 @@ void measure(const World& world, CompileReport& report)
     report.instances = world.instances.size();
     report.lights = world.lights.list.size();
     report.accelerator_bytes = world.accelerator->memory();
-    for (const Image& image : world.materials.textures.images) report.texture_bytes += image.pixels.size() * sizeof(float);
+    for (const Image& image : world.materials.textures.images)
+        report.texture_bytes += image.pixels.size() * sizeof(float);
     for (const LightImage& image : world.lights.images)
         report.texture_bytes += image.pixels.pixels.size() * sizeof(float);
     for (const Grid& grid : world.media.grids) report.medium_bytes += grid.values.size() * sizeof(float);
@@ -57,7 +58,10 @@ std::unique_ptr<World> compile(const scene::Description& description, CompileRep
     for (const Material& material : world->materials.list)
         world->has_interfaces |= material.kind == Material::Kind::interface;
     for (const Geometry& geometry : world->geometries) world->has_alpha |= geometry.alpha.valid();
-    for (const Medium& medium : world->media.list) world->has_scattering_media |= medium.scatters();
+    for (const Medium& medium : world->media.list) {
+        world->has_scattering_media |= medium.scatters();
+        world->has_emitting_media |= medium.emits();
+    }
     measure(*world, report);
     if (report_out) *report_out = report;
     return world;

@@ -12,11 +12,11 @@ namespace dapple {
 
 // What a compiled scene consists of and what it took.
 struct CompileReport {
-    size_t triangles = 0;          // stored ones; instances share them
+    size_t triangles = 0;  // stored ones; instances share them
     size_t other_primitives = 0;
     size_t instances = 0;
     size_t lights = 0;
-    size_t geometry_bytes = 0;     // vertices and indices
+    size_t geometry_bytes = 0;  // vertices and indices
     size_t accelerator_bytes = 0;
     size_t texture_bytes = 0;
     size_t medium_bytes = 0;

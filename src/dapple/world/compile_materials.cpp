@@ -113,8 +113,7 @@ void compile_materials(CompileContext& context)
         std::visit(Fill{context, out}, material.kind);
         if (material.displacement) out.displacement = float_texture(context, *material.displacement);
         if (!material.normal_map.empty())
-            out.normal_map =
-                texture_image(context, material.normal_map, scene::Encoding::linear, 1.0f, material.at);
+            out.normal_map = texture_image(context, material.normal_map, scene::Encoding::linear, 1.0f, material.at);
         context.world.materials.list.push_back(out);
     }
 }

@@ -120,8 +120,8 @@ TextureNode make_node(CompileContext& context, const scene::Texture<Input, Value
 
 }  // namespace
 
-uint32_t texture_image(CompileContext& context, const std::filesystem::path& file, scene::Encoding encoding, float gamma,
-                       const SourceLocation& at)
+uint32_t texture_image(CompileContext& context, const std::filesystem::path& file, scene::Encoding encoding,
+                       float gamma, const SourceLocation& at)
 {
     auto& images = context.world.materials.textures.images;
     const auto [entry, added] =

@@ -35,7 +35,7 @@ struct Accelerator::State {
     std::vector<RTCScene> group_scenes;
     std::vector<uint32_t> top_geometries;  // geomID of a plain geometry in the top scene -> index in world.geometries
     uint32_t first_instance = 0;           // geomIDs from here on are instances
-    std::vector<PrimitiveSet> sets;  // user data of user geometries; never resized once handed out
+    std::vector<PrimitiveSet> sets;        // user data of user geometries; never resized once handed out
     std::atomic<size_t> bytes{0};
 
     ~State()
@@ -90,8 +90,8 @@ void primitive_intersect(const RTCIntersectFunctionNArguments* args)
     const auto* set = static_cast<const PrimitiveSet*>(args->geometryUserPtr);
     auto* ray_hit = reinterpret_cast<RTCRayHit*>(args->rayhit);
     PrimitiveHit hit;
-    if (!intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(ray_hit->ray), ray_hit->ray.tnear,
-                   ray_hit->ray.tfar, hit))
+    if (!intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(ray_hit->ray),
+                   ray_hit->ray.tnear, ray_hit->ray.tfar, hit))
         return;
     ray_hit->ray.tfar = hit.t;
     ray_hit->hit.u = hit.uv.x;
@@ -107,7 +107,8 @@ void primitive_occluded(const RTCOccludedFunctionNArguments* args)
     const auto* set = static_cast<const PrimitiveSet*>(args->geometryUserPtr);
     auto* ray = reinterpret_cast<RTCRay*>(args->ray);
     PrimitiveHit hit;
-    if (intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(*ray), ray->tnear, ray->tfar, hit))
+    if (intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(*ray), ray->tnear, ray->tfar,
+                  hit))
         ray->tfar = -infinity;
 }
 

@@ -20,17 +20,17 @@ namespace dapple {
 // A set of triangles, or of other primitives, that share everything but their places. One Embree geometry each.
 struct Geometry {
     bool is_mesh = true;
-    bool flip = false;              // mesh: outside is against the winding's normal
+    bool flip = false;                               // mesh: outside is against the winding's normal
     SurfaceDetail detail = SurfaceDetail::tangents;  // what its material needs of a surface point
-    bool has_medium = false;        // crossing it changes the medium
+    bool has_medium = false;                         // crossing it changes the medium
     MaterialId material;
-    MediumId interior, exterior;    // invalid: vacuum
-    FloatTextureId alpha;           // invalid: opaque
-    LightId first_light;            // invalid: no emitter; else light of primitive i is first_light + i
-    uint32_t mesh = 0;              // is_mesh: index into World::meshes
-    uint32_t first_primitive = 0;   // else: range of World::primitives
+    MediumId interior, exterior;   // invalid: vacuum
+    FloatTextureId alpha;          // invalid: opaque
+    LightId first_light;           // invalid: no emitter; else light of primitive i is first_light + i
+    uint32_t mesh = 0;             // is_mesh: index into World::meshes
+    uint32_t first_primitive = 0;  // else: range of World::primitives
     uint32_t primitive_count = 0;
-    uint32_t name = 0;              // index into World::names, for messages
+    uint32_t name = 0;  // index into World::names, for messages
 };
 
 // Vertices of a mesh, in world space, or in the space of the group it belongs to.
@@ -55,9 +55,9 @@ struct GroupInstance {
 struct Hit {
     static constexpr uint32_t no_instance = 0xffffffffu;
     float t = 0.0f;
-    Vec2 uv{0, 0};                  // as in PrimitiveHit
-    uint32_t geometry = 0;          // index into World::geometries
-    uint32_t primitive = 0;         // triangle or primitive of the geometry
+    Vec2 uv{0, 0};                    // as in PrimitiveHit
+    uint32_t geometry = 0;            // index into World::geometries
+    uint32_t primitive = 0;           // triangle or primitive of the geometry
     uint32_t instance = no_instance;  // index into World::instances
 };
 
@@ -112,12 +112,13 @@ public:
     std::vector<std::string> names;
     std::vector<std::string> light_group_names;  // index: LightGroup; [0] is "default"
 
-    AliasTable light_choice;                 // over lights.list, by power
-    std::vector<LightId> environments;       // lights that an escaping ray meets
+    AliasTable light_choice;            // over lights.list, by power
+    std::vector<LightId> environments;  // lights that an escaping ray meets
     Box3 bounds;
-    bool has_interfaces = false;             // some material is an interface: shadow rays must look closer
+    bool has_interfaces = false;  // some material is an interface: shadow rays must look closer
     bool has_alpha = false;
     bool has_scattering_media = false;
+    bool has_emitting_media = false;
 
     std::unique_ptr<Accelerator> accelerator;
 };
