@@ -145,18 +145,24 @@ TEST(Film, SplatsAndSamplesAgree)
         EXPECT_NEAR(splats.beauty().at(2, 2, c), eyes.beauty().at(2, 2, c), 0.05f * eyes.beauty().at(2, 2, c)) << c;
 }
 
-void contribute(Film& film, int begin, int end)
+// The share of one of several threads in contributions to a film of 12 x 8 pixels: every so-manieth splat, and the eye
+// samples of every so-manieth pixel, since the film wants each pixel's from one thread.
+void contribute(Film& film, int begin, int end, int thread = 0, int threads = 1)
 {
     PixelSample sample(2);
     for (int i = begin; i < end; ++i) {
         const uint64_t a = hash_words(17, i), b = mix64(a), c = mix64(b);
         const Vec3 rgb(to_unit_float(c), std::exp2(20.0f * to_unit_float(b) - 10.0f), to_unit_float(a) - 0.3f);
         const PathClass path_class = static_cast<PathClass>(c % path_class_count);
-        film.splat({12.0f * to_unit_float(a), 8.0f * to_unit_float(b)}, rgb, path_class, LightGroup(uint32_t(a & 1)));
+        if (i % threads == thread)
+            film.splat({12.0f * to_unit_float(a), 8.0f * to_unit_float(b)}, rgb, path_class,
+                       LightGroup(uint32_t(a & 1)));
+        const Int2 pixel(int(a % 12), int(b % 8));
+        if ((pixel.x + 12 * pixel.y) % threads != thread) continue;
         sample.clear();
         sample.add(rgb, path_class, LightGroup(uint32_t(a & 1)));
         sample.guides.normal = rgb;
-        film.add_pixel({int(a % 12), int(b % 8)}, sample, 3);
+        film.add_pixel(pixel, sample, 3);
     }
 }
 
@@ -177,8 +183,7 @@ TEST(Film, ThreadsAndMergesLeaveNoTrace)
     for (const int threads : {2, 7}) {
         Film film(settings);
         std::vector<std::thread> pool;
-        for (int t = 0; t < threads; ++t)
-            pool.emplace_back([&, t] { contribute(film, count * t / threads, count * (t + 1) / threads); });
+        for (int t = 0; t < threads; ++t) pool.emplace_back([&, t] { contribute(film, 0, count, t, threads); });
         for (std::thread& thread : pool) thread.join();
         for (int i = 0; i < 3; ++i) film.end_pass();
         EXPECT_EQ(film.layers(names).pixels, expected.pixels) << threads;
