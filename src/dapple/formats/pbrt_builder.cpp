@@ -267,6 +267,7 @@ scene::Description PbrtBuilder::finish(const SourceLocation& end)
     check_all_made(media_, "medium");
     check_mixes_end();
     scene_.warnings = context_.warnings();
+    scene_.files = context_.files();
     return std::move(scene_);
 }
 

@@ -4,10 +4,12 @@
 
 namespace dapple {
 
-std::filesystem::path PbrtContext::resolve(const std::string& file) const
+std::filesystem::path PbrtContext::resolve(const std::string& file)
 {
-    const std::filesystem::path path(file);
-    return path.is_absolute() || base_folder_.empty() ? path : base_folder_ / path;
+    std::filesystem::path path(file);
+    if (!path.is_absolute() && !base_folder_.empty()) path = base_folder_ / path;
+    if (known_files_.insert(path).second) files_.push_back(path);
+    return path;
 }
 
 void PbrtContext::check_files_allowed(const SourceLocation& where) const

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,8 +23,10 @@ public:
 
     const std::filesystem::path& base_folder() const { return base_folder_; }
     const ReadLimits& limits() const { return limits_; }
-    // The path a scene means by `file`: relative to the folder of the main file.
-    std::filesystem::path resolve(const std::string& file) const;
+    // The path a scene means by `file`: relative to the folder of the main file. It counts as a file of the scene.
+    std::filesystem::path resolve(const std::string& file);
+    // The files resolved so far, in that order, each once.
+    const std::vector<std::filesystem::path>& files() const { return files_; }
     // Throws unless the limits allow to open further files.
     void check_files_allowed(const SourceLocation& where) const;
 
@@ -45,6 +48,8 @@ private:
     ReadLimits limits_;
     std::vector<Warning> warnings_;
     std::map<std::string, size_t> warning_by_text_;
+    std::vector<std::filesystem::path> files_;
+    std::set<std::filesystem::path> known_files_;
 };
 
 // did_you_mean() for words out of files, which may be of any length.

@@ -344,7 +344,10 @@ void PbrtReader::texture(PbrtLexer& lexer, const SourceLocation& at)
 scene::Description read_pbrt(const std::filesystem::path& file, const ReadLimits& limits)
 {
     auto source = std::make_shared<SourceText>(file.string(), read_file(file, {}));
-    return PbrtReader(file.parent_path(), limits).read(std::move(source), canonical_path(file));
+    scene::Description description =
+        PbrtReader(file.parent_path(), limits).read(std::move(source), canonical_path(file));
+    description.files.insert(description.files.begin(), file);
+    return description;
 }
 
 scene::Description read_pbrt_string(std::string text, const std::string& name, const std::filesystem::path& base_folder,

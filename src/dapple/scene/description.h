@@ -33,6 +33,8 @@ struct Description {
 
     std::filesystem::path base_folder;  // of the main scene file; paths in here are already resolved
     std::vector<std::string> warnings;  // one line each: "file:line:column: message"
+    // All files that were read for this, or that it names and compiling will read: the main file first, each once.
+    std::vector<std::filesystem::path> files;
 };
 
 }  // namespace dapple::scene

@@ -303,6 +303,23 @@ TEST_F(PbrtFiles, TheSameMeshIsReadOnce)
               std::get<scene::Mesh>(scene.shapes[1].geometry).data);
 }
 
+TEST_F(PbrtFiles, AllOfThemAreListedOnce)
+{
+    write("part.pbrt", "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\"");
+    write("gold.spd", "400 0.5\n700 0.9\n");
+    write("main.pbrt",
+          "Film \"rgb\" \"string filename\" \"out.exr\" WorldBegin Include \"part.pbrt\" "
+          "LightSource \"infinite\" \"string filename\" \"sky.exr\" "
+          "Material \"diffuse\" \"spectrum reflectance\" \"gold.spd\" "
+          "Material \"diffuse\" \"spectrum reflectance\" \"gold.spd\" Shape \"sphere\"");
+    std::vector<std::string> names;
+    for (const std::filesystem::path& file : read_pbrt(folder_ / "main.pbrt").files)
+        names.push_back(file.lexically_relative(folder_).string());
+    EXPECT_EQ(names.front(), "main.pbrt");
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(names, (std::vector<std::string>{"gold.spd", "main.pbrt", "part.pbrt", "sky.exr", "t.png"}));
+}
+
 // Scenes of other people's making; a file without WorldBegin is a part of another.
 TEST(PbrtScenes, TheSharedOnesRead)
 {
