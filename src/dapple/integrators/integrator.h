@@ -39,6 +39,13 @@ public:
     virtual void render_pass(const PassContext& context, Film& film) = 0;
     // One line each: what the settings resolved to for this world ("radius 3.2 mm from the pixel footprint", ...).
     virtual std::vector<std::string> report() const { return {}; }
+    // Passes in a row that share what they trace (photon maps of an epoch, say) and are therefore no independent
+    // samples: passes [k n, (k + 1) n). Error estimates go by such groups.
+    virtual uint32_t correlated_passes() const { return 1; }
+    // Size of the bias of a pass's light that fades with the passes, relative to that of pass 0: the squared radius of
+    // a progressive estimate, say, in (0, 1]. The same for correlated passes. 0: nothing fades (no bias, or all of it
+    // stays).
+    virtual double bias_scale(uint32_t /*pass*/) const { return 0.0; }
 };
 
 // One line of the registry: everything the command line, the docs and the tests need to know of an algorithm.

@@ -92,6 +92,9 @@ public:
                               : std::string("direct visualisation of the photon maps")};
     }
 
+    uint32_t correlated_passes() const override { return epoch_passes_; }
+    double bias_scale(uint32_t pass) const override { return progressive_shrinkage(int64_t(pass / epoch_passes_) + 1); }
+
 private:
     class EyePath;
 

@@ -30,6 +30,9 @@ public:
     bool boolean(std::string_view name) const;
     std::string_view word(std::string_view name) const;
 
+    // What was set, by name; the rest has its default.
+    const std::map<std::string, std::string, std::less<>>& values() const { return values_; }
+
 private:
     std::string_view text(std::string_view name) const;
     const SettingInfo& info(std::string_view name) const;
