@@ -167,4 +167,32 @@ bool sample_emission(const Lights& lights, const SpectrumPool& pool, LightId id,
     return !sample.flux.is_black();
 }
 
+EmissionDensity emission_density(const Lights& lights, LightId id, float time, const Vec3& position, const Vec3& n,
+                                 const Vec3& w)
+{
+    const Light& light = lights.list[id.value];
+    const float disc = pdf_disk() / sqr(lights.scene_radius);
+    switch (light.kind) {
+        case Light::Kind::area: {
+            const float cosine = light.two_sided ? std::fabs(dot(n, w)) : std::max(dot(n, w), 0.0f);
+            return {pdf_area(light.shape, position), pdf_cosine_hemisphere(cosine) / (light.two_sided ? 2.0f : 1.0f)};
+        }
+        case Light::Kind::environment:
+        case Light::Kind::environment_image: return {disc, direct_pdf_environment(lights, id, -w)};
+        case Light::Kind::distant: return {disc, 1.0f};
+        case Light::Kind::point: return {1.0f, pdf_uniform_sphere()};
+        default: break;
+    }
+    const Vec3 local = LightAxes::of(light, time).axes.to_local(w);
+    if (light.kind == Light::Kind::spot)
+        return {1.0f, spot_falloff(light, local.z) / (spot_core(light) + spot_rim(light))};
+    const LightImage& image = lights.images[light.image];
+    if (light.kind == Light::Kind::goniometric)
+        return {1.0f, image.distribution.density(equal_area_sphere_to_square(local)) * pdf_uniform_sphere()};
+    Vec2 uv;
+    if (!projection_uv(light, local, uv)) return {1.0f, 0.0f};
+    return {1.0f, image.distribution.density(uv) /
+                      (4.0f * light.screen_half[0] * light.screen_half[1] * local.z * local.z * local.z)};
+}
+
 }  // namespace dapple

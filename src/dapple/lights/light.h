@@ -104,6 +104,16 @@ struct EmissionSample {
 bool sample_emission(const Lights& lights, const SpectrumPool& pool, LightId id, const Vec2& u_position,
                      const Vec2& u_direction, float time, const Wavelengths& wavelengths, EmissionSample& sample);
 
+// The densities with which sample_emission lets a particle leave light `id` towards w (unit, away from the light), at
+// `position` with unit normal n (area lights only). Far lights: position is the density on the silhouette disc. For
+// the delta parts of a light (see EmissionSample) the density is 1, as in its samples.
+struct EmissionDensity {
+    float position = 0.0f;   // per area
+    float direction = 0.0f;  // per solid angle
+};
+EmissionDensity emission_density(const Lights& lights, LightId id, float time, const Vec3& position, const Vec3& n,
+                                 const Vec3& w);
+
 // Total emitted power over all wavelengths as luminance-like scalar (Y-weighted W), to distribute samples and photons.
 float power(const Lights& lights, const SpectrumPool& pool, LightId id);
 

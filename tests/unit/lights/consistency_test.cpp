@@ -47,6 +47,10 @@ TEST(EveryLight, FluxIsRadianceOverDensity)
             if (!scene.emit(named.id, numbers, sample)) continue;
             const Vec3& w = sample.ray.direction;
             EXPECT_NEAR(length(w), 1.0f, 1e-5f) << named.name;
+            const EmissionDensity density =
+                emission_density(scene.lights, named.id, sample.ray.time, sample.ray.origin, sample.normal, w);
+            EXPECT_NEAR(density.position, sample.pdf_position, 2e-3f * sample.pdf_position) << named.name;
+            EXPECT_NEAR(density.direction, sample.pdf_direction, 2e-3f * sample.pdf_direction) << named.name;
             Spectrum expected;
             if (light.kind == Light::Kind::area) {
                 EXPECT_NEAR(sample.pdf_position, pdf_area(light.shape, sample.ray.origin), 1e-3f * sample.pdf_position);
