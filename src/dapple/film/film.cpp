@@ -114,14 +114,11 @@ struct Film::Sums {
     {
         return radiance_layers == 1 ? first_radiance : first_radiance + static_cast<int>(path_class);
     }
-    // What a state must begin with to belong to such sums.
-    std::string state_header() const
+    // The luminance of a pixel, for error estimates.
+    ErrorSums::Luminance luminance() const
     {
-        std::string header =
-            fmt::format("dapple film state 1\n{} {} {} {}", crop_min.x, crop_min.y, crop_size.x, crop_size.y);
-        for (const Layer& layer : layers)
-            for (const std::string& name : layer.channel_names()) header += ' ' + name;
-        return header + '\n';
+        return
+            [this](size_t pixel) { return ErrorSums::luminance(beauty(pixel, 0), beauty(pixel, 1), beauty(pixel, 2)); };
     }
     Fixed128 beauty(size_t pixel, int channel) const
     {
@@ -177,6 +174,9 @@ Film::Film(FilmSettings settings) : settings_(std::move(settings)), sums_(std::m
         s.layers.emplace_back(std::vector<std::string>{"photons.radius"}, s.pixels());
         s.photon_radius = static_cast<int>(s.layers.size()) - 1;
     }
+    if (settings_.error_layer)
+        errors_ = std::make_unique<ErrorSums>(s.crop_size.x, s.crop_size.y, settings_.correlated_passes,
+                                              settings_.fading_bias, settings_.bias_scale);
 }
 
 Film::~Film() = default;
@@ -262,7 +262,13 @@ void Film::splat(const Vec2& raster, const Vec3& sensor_rgb, PathClass path_clas
     }
 }
 
-void Film::end_pass() { ++passes_; }
+void Film::end_pass()
+{
+    if (errors_) errors_->end_pass(settings_.first_pass + passes_, sums_->luminance());
+    ++passes_;
+}
+
+ErrorEstimate Film::error() const { return errors_ ? errors_->estimate(passes_, sums_->luminance()) : ErrorEstimate(); }
 
 Image Film::beauty() const
 {
@@ -284,6 +290,12 @@ Image Film::layers(std::vector<std::string>& channel_names) const
     for (size_t i = first; i < s.layers.size(); ++i)
         channel_names.insert(channel_names.end(), s.layers[i].channel_names().begin(),
                              s.layers[i].channel_names().end());
+    Image errors;
+    if (errors_) {
+        errors = errors_->image(passes_, s.luminance());
+        channel_names.push_back("error.noise");
+        if (errors_->fading()) channel_names.push_back("error.bias");
+    }
 
     Image image(s.crop_size.x, s.crop_size.y, static_cast<int>(channel_names.size()));
     const double factor = 1.0 / std::max<uint32_t>(passes_, 1);
@@ -293,16 +305,30 @@ Image Film::layers(std::vector<std::string>& channel_names) const
         for (size_t i = first; i < s.layers.size(); ++i)
             for (int c = 0; c < s.layers[i].channels(); ++c)
                 *out++ = static_cast<float>(from_fixed(s.layers[i].pixel(pixel)[c].fixed()) * factor);
+        for (int c = 0; c < errors.channels; ++c) *out++ = errors.pixels[pixel * errors.channels + c];
     }
     return image;
+}
+
+// What a state must begin with to belong to such a film.
+std::string Film::state_header() const
+{
+    const Sums& s = *sums_;
+    std::string header =
+        fmt::format("dapple film state 2\n{} {} {} {}", s.crop_min.x, s.crop_min.y, s.crop_size.x, s.crop_size.y);
+    for (const Layer& layer : s.layers)
+        for (const std::string& name : layer.channel_names()) header += ' ' + name;
+    if (errors_) header += fmt::format(" error/{}{}", settings_.correlated_passes, errors_->fading() ? "/fading" : "");
+    return header + '\n';
 }
 
 void Film::merge(const Film& other)
 {
     Sums& s = *sums_;
     const Sums& o = *other.sums_;
-    if (s.state_header() != o.state_header())
+    if (state_header() != other.state_header())
         throw UserError("films of different layers or crop windows cannot be merged");
+    if (errors_) errors_->merge(*other.errors_, s.luminance(), o.luminance());
     for (size_t i = 0; i < s.layers.size(); ++i)
         for (size_t j = 0; j < s.layers[i].size(); ++j)
             if (const Fixed128 sum = o.layers[i].data()[j].fixed(); sum != 0) s.layers[i].data()[j].add(sum);
@@ -313,7 +339,7 @@ void Film::merge(const Film& other)
 
 void Film::write_state(std::ostream& out) const
 {
-    const std::string header = sums_->state_header();
+    const std::string header = state_header();
     out.write(header.data(), static_cast<std::streamsize>(header.size()));
     write_word(out, passes_);
     write_word(out, accidents_.eye_sample);
@@ -324,11 +350,12 @@ void Film::write_state(std::ostream& out) const
         write_word(out, touched);
         if (touched) out.write(reinterpret_cast<const char*>(layer.data()), layer.bytes());
     }
+    if (errors_) errors_->write(out, sums_->luminance());
 }
 
 void Film::read_state(std::istream& in)
 {
-    const std::string header = sums_->state_header();
+    const std::string header = state_header();
     std::string found(header.size(), '\0');
     in.read(found.data(), static_cast<std::streamsize>(found.size()));
     if (!in || found != header) throw UserError("not the state of a film with these layers and this crop window");
@@ -340,8 +367,10 @@ void Film::read_state(std::istream& in)
     fresh.accidents_.splat = read_word(in);
     for (Layer& layer : fresh.sums_->layers)
         if (read_word(in) != 0) in.read(reinterpret_cast<char*>(layer.data()), layer.bytes());
+    if (fresh.errors_) fresh.errors_->read(in, fresh.sums_->luminance());
     if (!in) throw UserError("the film state ends too early");
     sums_ = std::move(fresh.sums_);
+    errors_ = std::move(fresh.errors_);
     passes_ = fresh.passes_;
     accidents_.eye_sample = fresh.accidents_.eye_sample.load();
     accidents_.splat = fresh.accidents_.splat.load();

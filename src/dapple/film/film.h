@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dapple/base/path_class.h"
+#include "dapple/film/error_sums.h"
 #include "dapple/film/filter.h"
 #include "dapple/film/sensor.h"
 #include "dapple/image/image.h"
@@ -10,6 +11,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -67,6 +69,13 @@ struct FilmSettings {
     bool class_layers = true;    // direct, caustic, ...
     bool guide_layers = true;    // Albedo, N, Z, P
     bool photon_layers = false;  // photon density, radius
+
+    // Sums for error estimates and the layers "error" (error_sums.h); they need to know which passes there are.
+    bool error_layer = false;
+    uint32_t first_pass = 0;         // the first pass this film gets
+    uint32_t correlated_passes = 1;  // as Integrator's
+    bool fading_bias = false;        // whether bias_scale is anything but 0
+    std::function<double(uint32_t pass)> bias_scale;
 };
 
 // Contributions dropped because they were not finite, or too large for the sums (1.8e13), by cause.
@@ -95,7 +104,7 @@ public:
     // filter's radius count too: without them the border pixels would come out too dark.
     void splat(const Vec2& raster, const Vec3& sensor_rgb, PathClass path_class, LightGroup group);
 
-    // Call once after each pass.
+    // Call once after each pass; passes come in order, from settings().first_pass on.
     void end_pass();
     uint32_t passes() const { return passes_; }
     const Accidents& accidents() const { return accidents_; }
@@ -105,6 +114,9 @@ public:
     // All layers as one image, with OpenEXR channel names ("R", "Albedo.R", "N.X", "Z", "direct.R", ...); see
     // layers.md.
     Image layers(std::vector<std::string>& channel_names) const;
+
+    // How far the image is off; nothing is known (no batches) without FilmSettings::error_layer. Cost: as beauty().
+    ErrorEstimate error() const;
 
     // Adds the passes of a film of the same settings: the result is that of one film that saw all passes, bit by bit.
     // Throws UserError if the layers or the crop windows differ.
@@ -117,8 +129,11 @@ public:
 
 private:
     struct Sums;
+    std::string state_header() const;
+
     FilmSettings settings_;
     std::unique_ptr<Sums> sums_;
+    std::unique_ptr<ErrorSums> errors_;  // none unless asked for
     Accidents accidents_;
     uint32_t passes_ = 0;
 };
