@@ -1,5 +1,7 @@
 #include "dapple/integrators/photon_maps.h"
 
+#include "dapple/base/error.h"
+#include "dapple/density/schedule.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/transport/photon_tracing.h"
 
@@ -91,6 +93,55 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
         context.statistics.photons_stored += map.global.size() + map.caustic.size();
     }
     return maps;
+}
+
+PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator)
+    : use_(use),
+      paths_(settings.is_auto("photons") ? 0 : settings.integer("photons")),
+      caustic_paths_(settings.is_auto("causticphotons") ? -1 : settings.integer("causticphotons")),
+      epoch_passes_(static_cast<uint32_t>(settings.integer("epoch"))),
+      irradiance_bandwidth_{static_cast<int>(settings.integer("nearest")), infinity,
+                            kernel_named(settings.word("kernel"))},
+      irradiance_(settings.boolean("irradiance")),
+      wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
+      max_depth_(static_cast<int>(settings.integer("maxdepth"))),
+      memory_(settings.is_auto("memory") ? 0 : settings.integer("memory"))
+{
+    if (world.has_scattering_media || world.has_emitting_media)
+        throw UserError(std::string(integrator) +
+                        " does not know media that scatter or emit yet; use path or lightpath");
+}
+
+PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) const
+{
+    PhotonMapPlan plan;
+    const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
+    plan.global_paths = paths_ > 0 ? paths_ : std::max<int64_t>(100'000, pixels * epoch_passes_);
+    plan.caustic_paths = caustic_paths_ >= 0 ? caustic_paths_ : plan.global_paths;
+    if (use_ == MapUse::global_alone) plan.caustic_paths = 0;
+    plan.wavelength_sets = film.settings().color_model == ColorModel::rgb ? 1 : wavelength_sets_;
+    plan.max_depth = max_depth_;
+    // Irradiance does not remember which light it came from.
+    plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&
+                                 irradiance_bandwidth_.nearest > 0 && film.settings().light_groups.empty();
+    plan.irradiance_bandwidth = irradiance_bandwidth_;
+    if (memory_ > 0) limit_memory(plan, context, film.settings().color_model, memory_);
+    return plan;
+}
+
+std::shared_ptr<const PhotonEpoch> PhotonEpochs::of(const PassContext& context, const Film& film)
+{
+    const uint32_t index = context.pass / epoch_passes_;
+    const std::lock_guard lock(mutex_);
+    if (epoch_ && epoch_->index == index && epoch_->seed == context.seed) return epoch_;
+    epoch_.reset();  // frees the old maps first: memory does not grow with passes
+    auto made = std::make_shared<PhotonEpoch>();
+    made->seed = context.seed;
+    made->index = index;
+    made->shrinkage = static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(index) + 1)));
+    made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film), index);
+    if (!context.cancelled()) epoch_ = made;
+    return made;
 }
 
 }  // namespace dapple

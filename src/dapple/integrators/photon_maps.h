@@ -7,9 +7,39 @@
 #include "dapple/integrators/integrator.h"
 #include "dapple/photons/photon_map.h"
 
+#include <memory>
+#include <mutex>
 #include <vector>
 
 namespace dapple {
+
+// Rows for the tables of integrators that use photon maps.
+namespace photon_setting {
+inline constexpr SettingInfo photons{"photons", "light paths", "auto", "> 0",
+                                     "light paths per epoch; auto: four per pixel of the full image"};
+inline constexpr SettingInfo caustic_photons{
+    "causticphotons", "light paths", "auto", ">= 0",
+    "further light paths per epoch for the caustic map alone; auto: as many as photons"};
+inline constexpr SettingInfo epoch{"epoch", "passes", "4", ">= 1", "passes that share one set of photon maps"};
+inline constexpr SettingInfo radius{"radius", "pixels", "2", "> 0",
+                                    "radius of the caustic estimate in the first epoch, in pixel footprints"};
+inline constexpr SettingInfo fixed_radius{
+    "fixedradius", "m", "auto", "> 0", "radius of the caustic estimate in the first epoch; auto: from the footprint"};
+inline constexpr SettingInfo nearest{"nearest", "photons", "50", ">= 0",
+                                     "photons per estimate of the global map; 0: all within the caustic radius"};
+inline constexpr SettingInfo kernel{"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman",
+                                    "kernel of the estimates"};
+inline constexpr SettingInfo irradiance{
+    "irradiance", "", "true", "true|false",
+    "precompute irradiance at photons for gather rays that meet matte surfaces (not if nearest is 0)"};
+inline constexpr SettingInfo wavelength_sets{"wavelengthsets", "sets", "4", ">= 1",
+                                             "sets of four wavelengths per epoch (spectral colour model)"};
+inline constexpr SettingInfo max_depth{"maxdepth", "scatterings", "100", ">= 0",
+                                       "longest eye path and longest light path, in scatterings each"};
+inline constexpr SettingInfo memory{
+    "memory", "bytes", "auto", "> 0",
+    "ceiling for the photon maps of an epoch: fewer photons per epoch rather than more"};
+}  // namespace photon_setting
 
 struct PhotonMapPlan {
     int64_t global_paths = 0;   // light paths per epoch, all wavelength sets together
@@ -45,5 +75,43 @@ void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel mo
 
 std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorModel model, const PhotonMapPlan& plan,
                                             uint32_t epoch);
+
+// The maps of an epoch, and how much smaller its caustic radius is than that of the first.
+struct PhotonEpoch {
+    uint64_t seed = 0;
+    uint32_t index = 0;
+    float shrinkage = 1.0f;
+    std::vector<PhotonMapSet> maps;
+};
+
+// Which maps an integrator gathers from.
+enum class MapUse : uint8_t { global_and_caustic, global_alone };
+
+// The epochs of a render. The last one is kept until another is asked for.
+class PhotonEpochs {
+public:
+    // Reads the rows photons, causticphotons, epoch, nearest, kernel, irradiance, wavelengthsets, maxdepth and memory.
+    // Throws UserError where the world has media that photon maps do not know; `integrator` is named there.
+    PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator);
+
+    // The epoch of the context's pass: a pure function of world, settings, seed and that epoch's number. Thread-safe.
+    std::shared_ptr<const PhotonEpoch> of(const PassContext& context, const Film& film);
+
+private:
+    PhotonMapPlan plan(const PassContext& context, const Film& film) const;
+
+    MapUse use_;
+    int64_t paths_;          // 0: auto
+    int64_t caustic_paths_;  // -1: auto
+    uint32_t epoch_passes_;
+    Bandwidth irradiance_bandwidth_;
+    bool irradiance_;
+    int wavelength_sets_;
+    int max_depth_;
+    int64_t memory_;  // [bytes], 0: no ceiling
+
+    std::mutex mutex_;
+    std::shared_ptr<const PhotonEpoch> epoch_;
+};
 
 }  // namespace dapple

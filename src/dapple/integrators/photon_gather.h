@@ -1,0 +1,257 @@
+// What photon mapping and irradiance caching share: the way from the eye to the first surface that is no delta, the
+// estimates from photon maps there, and gather rays.
+// Jensen 1996, "Global illumination using photon maps".
+//
+// The light that leaves a vertex x is split into direct light (sampled), caustics (caustic map, kernel of a small
+// radius) and indirect light. A gather ray from x asks the global map, or irradiance computed beforehand, at the first
+// vertex y that is no delta; this gives all light that leaves y. Where y is nearer than the width of the estimate
+// there, or is rough glass or metal, the path goes on instead: direct light and caustics are taken at y, and the next
+// vertex is asked.
+#pragma once
+
+#include "dapple/density/estimate.h"
+#include "dapple/integrators/photon_maps.h"
+#include "dapple/integrators/pixel_loop.h"
+#include "dapple/transport/connect.h"
+
+#include <utility>
+
+namespace dapple {
+
+// How estimates and gather rays are made. See the table of settings for each (photon_maps.h).
+struct GatherSettings {
+    float radius_pixels = 2.0f;  // of caustic estimates in the first epoch, in pixel footprints
+    float fixed_radius = 0.0f;   // the same [m]; 0: from the footprint
+    int nearest = 50;            // photons per estimate of the global map; 0: all within the caustic radius
+    KernelKind kernel = KernelKind::epanechnikov;
+    int max_depth = 100;
+
+    GatherSettings() = default;
+    explicit GatherSettings(const Settings& settings);
+
+    Bandwidth global_bandwidth(float caustic_radius) const
+    {
+        return {nearest, nearest == 0 ? caustic_radius : infinity, kernel};
+    }
+    // One line for reports.
+    std::string describe() const;
+};
+
+// A photon of an estimate and its weight [1/m^2].
+using WeightedPhoton = std::pair<uint32_t, float>;  // slot, weight
+
+// Finds the photons of estimates. Uses scratch space of the thread, so that there is one finder per thread at a time.
+class PhotonFinder {
+public:
+    // The photons of the map that take part in an estimate at the vertex are then in found().
+    EstimateSupport find(const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
+    const std::vector<WeightedPhoton>& found() const { return found_; }
+
+private:
+    static std::vector<WeightedPhoton>& scratch();
+    std::vector<WeightedPhoton>& found_ = scratch();
+};
+
+// Whether scattering spreads over the hemisphere, so that the few photons of an estimate sample it well. Rough glass
+// and metal are left to the gather ray, which goes on.
+inline bool is_wide(const Bsdf& bsdf)
+{
+    return bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission ||
+           bsdf.kind == BsdfKind::coated_diffuse;
+}
+
+// Adds light to a sink, which has add(const Spectrum& radiance, PathClass, LightGroup): a pixel's sample, or a sum.
+template <class Sink>
+class PhotonGather {
+public:
+    // shrinkage: of the caustic radius, over that of the first epoch.
+    PhotonGather(const GatherSettings& settings, const World& world, const PhotonMapSet& maps, float shrinkage,
+                 bool light_groups, RandomStream& random, Sink& sink)
+        : settings_(settings),
+          world_(world),
+          maps_(maps),
+          random_(random),
+          sink_(sink),
+          shrinkage_(shrinkage),
+          light_groups_(light_groups)
+    {
+    }
+
+    // Way from the camera to the first D, which radii follow [m].
+    void set_eye_distance(float distance) { eye_distance_ = distance; }
+    // What one walk counts among those that are averaged.
+    void set_share(float share) { share_ = share; }
+
+    void add_emission(const Walk& walk, bool weigh)
+    {
+        const LightId emitter = walk.vertex().emitter;
+        if (emitter.valid())
+            sink_.add(met_emission(world_, walk, weigh) * share_, classify(walk.events(), {}),
+                      world_.lights.list[emitter.value].group);
+    }
+
+    void add_escaped(const Walk& walk, bool weigh)
+    {
+        if (!walk.escaped()) return;
+        for (LightId light : world_.environments)
+            sink_.add(met_environment(world_, walk, light, weigh) * share_, classify(walk.events(), {}),
+                      world_.lights.list[light.value].group);
+    }
+
+    // weigh: whether scattering samples the same light, too.
+    void add_direct(const Walk& walk, bool weigh = true)
+    {
+        const DirectLight direct = direct_light(world_, walk, walk.vertex(), weigh, random_);
+        if (!direct.found) return;
+        PathEvents events = walk.events();
+        events.add_surface(false);
+        sink_.add(direct.radiance * share_, classify(events, {}), direct.group);
+    }
+
+    EstimateSupport add_caustics(const Walk& walk)
+    {
+        const EstimateSupport support =
+            finder_.find(walk.vertex(), maps_.caustic, {0, caustic_radius(), settings_.kernel});
+        add_photons(walk, maps_.caustic);
+        return support;
+    }
+
+    // Direct visualisation: all light but emission from the global map.
+    EstimateSupport add_map(const Walk& walk)
+    {
+        const EstimateSupport support =
+            finder_.find(walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius()));
+        add_photons(walk, maps_.global);
+        return support;
+    }
+
+    // One gather ray from the vertex of `walk`, until a vertex that the global map can stand for.
+    void follow(Walk walk)
+    {
+        float since_last = 0.0f;  // way since the last vertex that is no delta
+        while (const Vertex* vertex = walk.next(world_, random_)) {
+            since_last += vertex->distance;
+            // Light met through delta surfaces after a D is a caustic there: the caustic map has it.
+            const bool in_caustic_map = walk.events().diffuse > 0 && walk.events().specular_since_last;
+            if (!in_caustic_map) add_emission(walk, true);
+            if (walk.depth() > settings_.max_depth) return;
+            if (!vertex->is_delta()) {
+                // What a smooth coat mirrors is seen sharply, as from the eye.
+                if (walk.events().diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last)) return;
+                add_direct(walk);
+                add_caustics(walk);
+                since_last = 0.0f;
+            }
+            if (!walk.survive_roulette(random_)) return;
+        }
+        if (!(walk.events().diffuse > 0 && walk.events().specular_since_last)) add_escaped(walk, true);
+    }
+
+private:
+    float caustic_radius() const
+    {
+        const float first = settings_.fixed_radius > 0.0f
+                                ? settings_.fixed_radius
+                                : settings_.radius_pixels * pixel_footprint(world_.camera, eye_distance_);
+        return first * shrinkage_;
+    }
+
+    // Adds the light of the photons found; each under the class of its own path where the walk has met no D before.
+    void add_photons(const Walk& walk, const PhotonMap& map);
+
+    // False when the vertex is nearer to the last one than the estimate is wide.
+    bool add_from_global_map(const Walk& walk, float since_last);
+
+    const GatherSettings& settings_;
+    const World& world_;
+    const PhotonMapSet& maps_;
+    RandomStream& random_;
+    Sink& sink_;
+    PhotonFinder finder_;
+    const float shrinkage_;
+    const bool light_groups_;
+    float eye_distance_ = 0.0f;
+    float share_ = 1.0f;
+};
+
+template <class Sink>
+void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map)
+{
+    const Vertex& vertex = walk.vertex();
+    const Spectrum throughput = walk.arriving() * share_;
+    const bool first = walk.events().diffuse == 0;
+    std::array<Spectrum, path_class_count> by_class{};
+    for (const auto& [slot, weight] : finder_.found()) {
+        const Vec3 wi = map.direction(slot);
+        const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
+        if (f.is_black()) continue;
+        // Flux per area counts geometric cosines, reflection the shading one.
+        const float cosines = abs_dot(wi, vertex.bsdf.frame.n) / std::max(abs_dot(wi, vertex.at.n_geometric), 1e-4f);
+        const Spectrum light = f * map.flux(slot) * (weight * cosines);
+        const auto path_class = first ? map.path_class(slot) : static_cast<uint8_t>(PathClass::indirect);
+        if (light_groups_)
+            sink_.add(throughput * light, static_cast<PathClass>(path_class), LightGroup(map.light_group(slot)));
+        else
+            by_class[path_class] += light;
+    }
+    if (light_groups_) return;
+    for (int i = 0; i < path_class_count; ++i)
+        if (!by_class[static_cast<size_t>(i)].is_black())
+            sink_.add(throughput * by_class[static_cast<size_t>(i)], static_cast<PathClass>(i), LightGroup(0u));
+}
+
+template <class Sink>
+bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
+{
+    const Vertex& vertex = walk.vertex();
+    if (vertex.bsdf.kind == BsdfKind::diffuse && !maps_.irradiance.empty()) {
+        const IrradianceRecord* record =
+            maps_.irradiance.nearest(vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo), since_last);
+        if (record && record->radius >= since_last) return false;
+        if (record) {
+            const Spectrum radiance = vertex.bsdf.a * inv_pi * record->irradiance;
+            sink_.add(walk.arriving() * share_ * radiance, PathClass::indirect, LightGroup(0u));
+            return true;
+        }
+    }
+    // A wider estimate would be refused: the search need not look further.
+    Bandwidth bandwidth = settings_.global_bandwidth(caustic_radius());
+    bandwidth.max_radius = std::min(bandwidth.max_radius, since_last);
+    if (finder_.find(vertex, maps_.global, bandwidth).radius >= since_last) return false;
+    add_photons(walk, maps_.global);
+    return true;
+}
+
+// Follows an eye path through delta surfaces, recording guides and emission. look(walk, distance) is called at each
+// vertex that is no delta, with the way from the camera, and tells whether the path ends there; what a smooth coat
+// mirrors is seen further on if not.
+template <class Sink, class Look>
+void follow_eye(const World& world, EyeSample& sample, int max_depth, PhotonGather<Sink>& gather, const Look& look)
+{
+    Walk eye = start_at_camera(world, sample.raster, sample.wavelengths, sample.random);
+    GuideRecorder guides(world, sample);
+    float distance = 0.0f;
+    while (const Vertex* vertex = eye.next(world, sample.random)) {
+        if (eye.events().diffuse > 0) return;  // a coated surface was left by its diffuse part: the map had that
+        guides.see(*vertex);
+        distance += vertex->distance;
+        gather.add_emission(eye, false);
+        if (eye.depth() > max_depth) return;
+        if (!vertex->is_delta()) {
+            gather.set_eye_distance(distance);
+            if (look(eye, distance) || !vertex->has_delta_lobe()) return;
+        }
+        if (eye.depth() > 1 && !eye.survive_roulette(sample.random)) return;
+    }
+    if (eye.events().diffuse == 0) gather.add_escaped(eye, false);
+}
+
+// Notes what the first estimate of an eye path rests on.
+inline void note_support(EyeSample& sample, const EstimateSupport& support)
+{
+    if (sample.sums.radius > 0.0f) return;
+    sample.sums.photon_density += support.density;
+    sample.sums.radius += support.radius;
+}
+
+}  // namespace dapple
