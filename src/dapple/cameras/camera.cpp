@@ -83,6 +83,21 @@ Vec2 raster_from_spherical(const Camera& camera, const Vec3& direction, float& p
     return Vec2(turn < 0.0f ? turn + 1.0f : turn, theta * inv_pi) * resolution;
 }
 
+// The raster area per parameter q of the head comment at a point in camera space; s: the point's depth there.
+float raster_density(const Camera& camera, const Vec3& p, float& s)
+{
+    if (camera.kind != Camera::Kind::spherical) {
+        s = p.z;
+        const float density = pixels_per_window_area(camera);
+        return camera.kind == Camera::Kind::perspective ? density / (s * s) : density;
+    }
+    s = length(p);
+    if (!(s > 0.0f)) return 0.0f;
+    float density;
+    raster_from_spherical(camera, p * (1.0f / s), density);
+    return density / (s * s);
+}
+
 bool inside_image(const Camera& camera, const Vec2& raster, float margin)
 {
     return raster.x >= -margin && raster.x <= static_cast<float>(camera.resolution.x) + margin && raster.y >= -margin &&
@@ -168,24 +183,19 @@ bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float 
     const Vec3 p = Transform::apply_point(world_from_camera.inverse_matrix(), point);
     const float det = static_cast<float>(std::abs(determinant3(world_from_camera.matrix())));
     Vec3 origin(0.0f, 0.0f, 0.0f);
-    float density;  // raster area per parameter q of the head comment
     float s;
+    const float density = raster_density(camera, p, s);
+    if (!(s > 0.0f)) return false;
     if (camera.kind == Camera::Kind::spherical) {
-        s = length(p);
-        if (!(s > 0.0f)) return false;
-        connection.raster = raster_from_spherical(camera, p * (1.0f / s), density);
-        density /= s * s;
+        float unused;
+        connection.raster = raster_from_spherical(camera, p * (1.0f / s), unused);
     } else {
-        s = p.z;
-        if (!(s > 0.0f)) return false;
         const Vec2 lens = lens_point(camera, u_lens);
         const float inv_focal = 1.0f / camera.focal_distance;
-        density = pixels_per_window_area(camera);
         Vec2 window;
         if (camera.kind == Camera::Kind::perspective) {
             origin = Vec3(lens.x, lens.y, 0.0f);
             window = (Vec2(p.x, p.y) - lens) * (1.0f / s) + lens * inv_focal;
-            density /= s * s;
         } else {
             window = Vec2(p.x, p.y) - lens * (1.0f - s * inv_focal);
             origin = Vec3(window.x + lens.x, window.y + lens.y, 0.0f);
@@ -201,6 +211,16 @@ bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float 
     connection.wi = to_camera * (1.0f / connection.distance);
     connection.importance = density * (connection.distance / s) / det;
     return std::isfinite(connection.importance);
+}
+
+float importance_at(const Camera& camera, const Vec3& point, float distance, float time)
+{
+    const Transform world_from_camera = camera.world_from_camera.at(time);
+    const Vec3 p = Transform::apply_point(world_from_camera.inverse_matrix(), point);
+    const float det = static_cast<float>(std::abs(determinant3(world_from_camera.matrix())));
+    float s;
+    const float density = raster_density(camera, p, s);
+    return s > 0.0f ? density * (distance / s) / det : 0.0f;
 }
 
 float pixel_footprint(const Camera& camera, float distance)

@@ -71,6 +71,11 @@ struct CameraConnection {
 bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float time, float margin,
              CameraConnection& connection);
 
+// CameraConnection::importance at a point that an eye ray of generate_ray has met `distance` away from its origin: the
+// raster area per area facing the camera there, so that importance * |cos at the point| is the density per area with
+// which one eye ray per pixel meets it.
+float importance_at(const Camera& camera, const Vec3& point, float distance, float time);
+
 // Width on a surface at `distance` from the camera, facing it, that one pixel covers [m]: the scale of default radii.
 // It is the root of the area a pixel covers at the middle of the image (spherical: on the horizon), at half time.
 float pixel_footprint(const Camera& camera, float distance);

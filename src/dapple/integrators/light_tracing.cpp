@@ -82,11 +82,11 @@ private:
         while (const Vertex* vertex = photon.next(world, random)) {
             if (photon.depth() > max_depth_) return;
             SeenByCamera seen;
-            if (!vertex->is_delta() && connect_to_camera(world, photon, *vertex, margin, random, seen)) {
+            if (!vertex->is_delta() && connect_to_camera(world, photon.carried(), *vertex, margin, random, seen)) {
                 PathEvents events = photon.events();
                 vertex->on_surface ? events.add_surface(false) : events.add_medium();
                 const Vec3 rgb = sensor.to_rgb(seen.contribution * scale, wavelengths);
-                for (const Vec2& raster : raster_copies(world.camera, seen.raster, margin))
+                for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin))
                     film.splat(raster, rgb, classify({}, events), photon.light_group);
             }
             if (!photon.survive_roulette(random)) return;

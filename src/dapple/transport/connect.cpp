@@ -39,21 +39,36 @@ Scattering evaluate_scattering(const Vertex& vertex, const Vec3& wi, TransportMo
     return {f * abs_dot(wi, vertex.bsdf.frame.n), pdf(vertex.bsdf, vertex.wo, wi, mode)};
 }
 
-DirectLight direct_light(const World& world, const Walk& walk, const Vertex& vertex, bool weigh, RandomStream& random)
+float reverse_pdf(const Vertex& vertex, const Vec3& wi, TransportMode mode)
+{
+    return vertex.on_surface ? pdf(vertex.bsdf, wi, vertex.wo, mode) : evaluate_phase(vertex.phase_g, wi, vertex.wo);
+}
+
+Transmittance between(const World& world, const Vertex& from, const Vertex& to, const PathStart& start,
+                      RandomStream& random)
+{
+    const Vec3 towards = to.at.position - from.at.position;
+    float t_max = 0.0f;
+    const Ray ray = connection_ray(leave(from, towards), leave(to, -towards), start.time, t_max);
+    return transmittance(world, ray, t_max, medium_towards(world, from, towards), start.wavelengths, start.kept_lane,
+                         random);
+}
+
+bool connect_to_light(const World& world, const Carried& carried, const Vertex& vertex, RandomStream& random,
+                      LightConnection& connection)
 {
     const float u_light = random.next();
     const Vec2 u = random.next_2d();
-    DirectLight result;
-    if (world.lights.list.empty()) return result;
+    if (world.lights.list.empty()) return false;
     const LightId id(world.light_choice.sample(u_light));
-    const float probability = world.light_probability(id);
-    DirectSample sample;
-    if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u, walk.wavelengths(),
-                       sample))
-        return result;
-    sample.radiance *= world.opacity(world.lights.list[id.value], sample.position, sample.normal, sample.uv);
-    const Scattering scattering = evaluate_scattering(vertex, sample.wi, TransportMode::radiance);
-    if (scattering.value.is_black() || sample.radiance.is_black()) return result;
+    DirectSample& sample = connection.sample;
+    if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u,
+                       carried.start.wavelengths, sample))
+        return false;
+    const Light& light = world.lights.list[id.value];
+    sample.radiance *= world.opacity(light, sample.position, sample.normal, sample.uv);
+    connection.scattering = evaluate_scattering(vertex, sample.wi, TransportMode::radiance);
+    if (connection.scattering.value.is_black() || sample.radiance.is_black()) return false;
 
     const Vec3 origin = leave(vertex, sample.wi);
     float t_max = infinity;
@@ -63,19 +78,28 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
                                          : offset_ray_origin(sample.position, sample.error, sample.normal, -sample.wi);
         ray = connection_ray(origin, target, vertex.at.time, t_max);
     }
-    const Transmittance through = transmittance(world, ray, t_max, medium_towards(world, vertex, sample.wi),
-                                                walk.wavelengths(), walk.kept_lane(), random);
-    if (through.blocked()) return result;
+    connection.through = transmittance(world, ray, t_max, medium_towards(world, vertex, sample.wi),
+                                       carried.start.wavelengths, carried.start.kept_lane, random);
+    if (connection.through.blocked()) return false;
+    connection.light = id;
+    connection.probability = world.light_probability(id);
+    connection.value = carried.throughput * connection.scattering.value * sample.radiance * connection.through.value;
+    return true;
+}
 
-    const float light_density = probability * sample.pdf;
+DirectLight direct_light(const World& world, const Walk& walk, const Vertex& vertex, bool weigh, RandomStream& random)
+{
+    DirectLight result;
+    LightConnection connection;
+    if (!connect_to_light(world, walk.carried(), vertex, random, connection)) return result;
     const Spectrum path_pdf = walk.path_pdf();
-    Spectrum weight_denominator = path_pdf * through.light_pdf * light_density;
-    if (weigh && !sample.delta) weight_denominator += path_pdf * through.path_pdf * scattering.pdf;
-    const float denominator = weight_denominator.average();
+    Spectrum density = connection.density(path_pdf);
+    if (weigh && !connection.sample.delta)
+        density += path_pdf * connection.through.path_pdf * connection.scattering.pdf;
+    const float denominator = density.average();
     if (!(denominator > 0.0f)) return result;
-    result.radiance =
-        walk.source() * walk.throughput() * scattering.value * sample.radiance * through.value * (1.0f / denominator);
-    result.group = world.lights.list[id.value].group;
+    result.radiance = connection.value * (1.0f / denominator);
+    result.group = world.lights.list[connection.light.value].group;
     result.found = true;
     return result;
 }
@@ -108,23 +132,21 @@ Spectrum met_environment(const World& world, const Walk& walk, LightId light, bo
     return walk.source() * walk.throughput() * radiance * (1.0f / denominator.average());
 }
 
-bool connect_to_camera(const World& world, const Walk& walk, const Vertex& vertex, float margin, RandomStream& random,
-                       SeenByCamera& seen)
+bool connect_to_camera(const World& world, const Carried& carried, const Vertex& vertex, float margin,
+                       RandomStream& random, SeenByCamera& seen)
 {
     const Vec2 u_lens = random.next_2d();
-    CameraConnection connection;
-    if (!connect(world.camera, vertex.at.position, u_lens, vertex.at.time, margin, connection)) return false;
-    const Scattering scattering = evaluate_scattering(vertex, connection.wi, TransportMode::importance);
-    if (scattering.value.is_black()) return false;
+    CameraConnection& camera = seen.camera;
+    if (!connect(world.camera, vertex.at.position, u_lens, vertex.at.time, margin, camera)) return false;
+    seen.scattering = evaluate_scattering(vertex, camera.wi, TransportMode::importance);
+    if (seen.scattering.value.is_black()) return false;
     float t_max = 0.0f;
-    const Ray ray = connection_ray(leave(vertex, connection.wi), connection.position, vertex.at.time, t_max);
-    const Transmittance through = transmittance(world, ray, t_max, medium_towards(world, vertex, connection.wi),
-                                                walk.wavelengths(), walk.kept_lane(), random);
+    const Ray ray = connection_ray(leave(vertex, camera.wi), camera.position, vertex.at.time, t_max);
+    const Transmittance through = transmittance(world, ray, t_max, medium_towards(world, vertex, camera.wi),
+                                                carried.start.wavelengths, carried.start.kept_lane, random);
     if (through.blocked()) return false;
-    const float density = (walk.path_pdf() * through.light_pdf).average();
-    seen.raster = connection.raster;
-    seen.contribution =
-        walk.source() * walk.throughput() * scattering.value * through.value * (connection.importance / density);
+    const float density = (carried.path_pdf * through.light_pdf).average();
+    seen.contribution = carried.throughput * seen.scattering.value * through.value * (camera.importance / density);
     return true;
 }
 

@@ -14,6 +14,31 @@ struct Scattering {
 };
 Scattering evaluate_scattering(const Vertex& vertex, const Vec3& wi, TransportMode mode);
 
+// The density with which the vertex would sample its wo, had it been reached from wi.
+float reverse_pdf(const Vertex& vertex, const Vec3& wi, TransportMode mode);
+
+// What a straight line between two vertices lets through.
+Transmittance between(const World& world, const Vertex& from, const Vertex& to, const PathStart& start,
+                      RandomStream& random);
+
+// A vertex joined to a point of a light chosen by light sampling.
+struct LightConnection {
+    LightId light;
+    DirectSample sample;
+    Scattering scattering;     // towards the light
+    float probability = 0.0f;  // of the choice of the light
+    Transmittance through;
+    Spectrum value;  // all factors; to be divided by the density below
+    // Mean over lanes of the density of the path, light sampling included.
+    Spectrum density(const Spectrum& path_pdf) const
+    {
+        return path_pdf * through.light_pdf * (probability * sample.pdf);
+    }
+};
+// False where no light arrives.
+bool connect_to_light(const World& world, const Carried& carried, const Vertex& vertex, RandomStream& random,
+                      LightConnection& connection);
+
 // Direct light at a vertex, estimated with one light sample.
 struct DirectLight {
     Spectrum radiance;  // towards wo [W/(m2 sr nm)], MIS weight against scattering included
@@ -32,10 +57,11 @@ Spectrum met_environment(const World& world, const Walk& walk, LightId light, bo
 
 // A vertex of a light walk seen by the camera.
 struct SeenByCamera {
-    Vec2 raster{0, 0};
+    CameraConnection camera;
+    Scattering scattering;  // towards the camera
     Spectrum contribution;  // to the pixel integral around raster, of this particle (not divided by their number)
 };
-bool connect_to_camera(const World& world, const Walk& walk, const Vertex& vertex, float margin, RandomStream& random,
-                       SeenByCamera& seen);
+bool connect_to_camera(const World& world, const Carried& carried, const Vertex& vertex, float margin,
+                       RandomStream& random, SeenByCamera& seen);
 
 }  // namespace dapple

@@ -3,27 +3,34 @@
 namespace dapple {
 namespace {
 
-bool start(const World& world, LightId id, float probability, const Wavelengths& wavelengths, RandomStream& random,
-           Walk& walk)
+// u_position and u_direction choose the ray of departure.light; start the rest.
+bool depart(const World& world, const PathStart& start, const Vec2& u_position, const Vec2& u_direction, Walk& walk,
+            Departure& departure)
 {
-    const Vec2 u_position = random.next_2d();
-    const Vec2 u_direction = random.next_2d();
-    const Vec2 u = random.next_2d();
-    EmissionSample sample;
-    if (!sample_emission(world.lights, world.spectra, id, u_position, u_direction, u.x, wavelengths, sample))
+    EmissionSample& sample = departure.sample;
+    if (!sample_emission(world.lights, world.spectra, departure.light, u_position, u_direction, start.time,
+                         start.wavelengths, sample))
         return false;
-    const Light& light = world.lights.list[id.value];
+    const Light& light = world.lights.list[departure.light.value];
     Ray ray = sample.ray;
     if (light.kind == Light::Kind::area) {
         sample.flux *= world.opacity(light, sample.ray.origin, sample.normal, sample.uv);
         ray.origin = offset_ray_origin(ray.origin, sample.error, sample.normal, ray.direction);
     }
-    const int kept_lane = std::min(static_cast<int>(u.y * Spectrum::lanes), Spectrum::lanes - 1);
     const bool inwards = light.kind == Light::Kind::area && dot(ray.direction, sample.normal) < 0.0f;
-    walk = Walk(ray, inwards ? light.medium_inside : light.medium, TransportMode::importance, wavelengths, kept_lane,
-                sample.flux * (1.0f / probability));
+    walk = Walk(ray, inwards ? light.medium_inside : light.medium, TransportMode::importance, start.wavelengths,
+                start.kept_lane, sample.flux * (1.0f / departure.probability));
     walk.light_group = light.group;
     return !walk.source().is_black() && walk.source().is_finite();
+}
+
+bool depart_from(const World& world, LightId light, float probability, const Wavelengths& wavelengths,
+                 RandomStream& random, Walk& walk)
+{
+    const Vec2 u_position = random.next_2d();
+    const Vec2 u_direction = random.next_2d();
+    Departure departure{light, probability, {}};
+    return depart(world, path_start(wavelengths, random.next_2d()), u_position, u_direction, walk, departure);
 }
 
 }  // namespace
@@ -32,12 +39,21 @@ bool emit(const World& world, const Wavelengths& wavelengths, RandomStream& rand
 {
     if (world.lights.list.empty()) return false;
     const LightId id(world.light_choice.sample(random.next()));
-    return start(world, id, world.light_probability(id), wavelengths, random, walk);
+    return depart_from(world, id, world.light_probability(id), wavelengths, random, walk);
+}
+
+bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure)
+{
+    if (world.lights.list.empty()) return false;
+    departure.light = LightId(world.light_choice.sample(random.next()));
+    departure.probability = world.light_probability(departure.light);
+    const Vec2 u_position = random.next_2d();
+    return depart(world, start, u_position, random.next_2d(), walk, departure);
 }
 
 bool emit_from(const World& world, LightId light, const Wavelengths& wavelengths, RandomStream& random, Walk& walk)
 {
-    return start(world, light, 1.0f, wavelengths, random, walk);
+    return depart_from(world, light, 1.0f, wavelengths, random, walk);
 }
 
 }  // namespace dapple

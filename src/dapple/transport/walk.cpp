@@ -23,13 +23,19 @@ Walk::Walk(const Ray& ray, MediumId medium, TransportMode mode, const Wavelength
 {
 }
 
+Walk start_at_camera(const World& world, const Vec2& raster, const PathStart& start, RandomStream& random)
+{
+    const CameraRay camera_ray = generate_ray(world.camera, raster, random.next_2d(), start.time);
+    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, start.wavelengths, start.kept_lane,
+                Spectrum(camera_ray.weight));
+}
+
 Walk start_at_camera(const World& world, const Vec2& raster, const Wavelengths& wavelengths, RandomStream& random)
 {
     const Vec2 u_lens = random.next_2d();
-    const Vec2 u = random.next_2d();
-    const CameraRay camera_ray = generate_ray(world.camera, raster, u_lens, u.x);
-    const int kept_lane = std::min(static_cast<int>(u.y * Spectrum::lanes), Spectrum::lanes - 1);
-    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, wavelengths, kept_lane,
+    const PathStart start = path_start(wavelengths, random.next_2d());
+    const CameraRay camera_ray = generate_ray(world.camera, raster, u_lens, start.time);
+    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, wavelengths, start.kept_lane,
                 Spectrum(camera_ray.weight));
 }
 
@@ -49,6 +55,8 @@ bool Walk::scatter(const World& world, RandomStream& random)
     if (!vertex_.on_surface) {
         Vec3 wi;
         pdf_direction_ = sample_phase(vertex_.phase_g, vertex_.wo, u, wi);
+        pdf_reverse_ = pdf_direction_;
+        cosine_out_ = 1.0f;
         events_.add_medium();
         ray_ = Ray{vertex_.at.position, wi, ray_.time};
     } else {
@@ -57,6 +65,10 @@ bool Walk::scatter(const World& world, RandomStream& random)
         throughput_ *= sample.weight;
         if (throughput_.is_black() || !throughput_.is_finite()) return false;
         pdf_direction_ = sample.pdf;
+        if (keeps_reverse_) {
+            pdf_reverse_ = sample.delta ? 0.0f : pdf(vertex_.bsdf, sample.wi, vertex_.wo, mode_);
+            cosine_out_ = abs_dot(sample.wi, vertex_.at.n_geometric);
+        }
         if (sample.transmission && mode_ == TransportMode::radiance) eta_scale_ *= sqr(sample.eta);
         events_.add_surface(sample.delta);
         ray_ = Ray{offset_ray_origin(vertex_.at.position, vertex_.at.error, vertex_.at.n_geometric, sample.wi),

@@ -43,6 +43,20 @@ struct Vertex {
     bool has_delta_lobe() const;
 };
 
+// What is chosen once for a path before its first ray.
+struct PathStart {
+    Wavelengths wavelengths;
+    float time = 0.0f;
+    int kept_lane = 0;  // the lane that decides
+};
+
+// What a subpath brings to a vertex, for connections to it: light on its way from the source, or the eye's share.
+struct Carried {
+    Spectrum throughput;  // source included: flux [W], or importance
+    Spectrum path_pdf{1.0f};
+    PathStart start;
+};
+
 class Walk {
 public:
     Walk() = default;
@@ -67,12 +81,20 @@ public:
     Spectrum path_pdf() const { return path_pdf_; }
     Spectrum light_pdf() const { return light_pdf_; }
 
+    Carried carried() const { return {source_ * throughput_, path_pdf_, {wavelengths_, ray_.time, kept_lane_}}; }
+
     // Radiance times throughput that emitting media added on the way to the current vertex (or out of the scene).
     const Spectrum& medium_emission() const { return medium_emission_; }
 
     // Density per solid angle of the direction of the last ray, for MIS with light sampling; 0 when it left a delta
     // lobe or the camera, where light sampling cannot compete.
     float pdf_direction() const { return pdf_direction_; }
+
+    // The density with which the previous vertex would have sampled its wo, had its light come along the last ray, and
+    // the last ray's cosine there to the geometric normal (1 in a medium). Kept from the next vertex on once asked for.
+    void keep_reverse_density() { keeps_reverse_ = true; }
+    float pdf_reverse() const { return pdf_reverse_; }
+    float cosine_out() const { return cosine_out_; }
 
     // Scattering events so far: those of the vertices left behind; the current vertex is not yet counted.
     const PathEvents& events() const { return events_; }
@@ -104,16 +126,26 @@ private:
     PathEvents events_;
     MediumId medium_;
     float pdf_direction_ = 0.0f;
+    float pdf_reverse_ = 0.0f;
+    float cosine_out_ = 1.0f;
     float eta_scale_ = 1.0f;  // radiance: undoes refraction's 1/eta^2 for roulette
     int kept_lane_ = 0;
     int depth_ = 0;
     bool at_vertex_ = false;
     bool single_lane_ = false;
     bool escaped_ = false;
+    bool keeps_reverse_ = false;
     TransportMode mode_ = TransportMode::radiance;
 };
 
-// The walk of an eye path through a raster position.
+// Time and deciding lane drawn from u.
+inline PathStart path_start(const Wavelengths& wavelengths, const Vec2& u)
+{
+    return {wavelengths, u.x, std::min(static_cast<int>(u.y * Spectrum::lanes), Spectrum::lanes - 1)};
+}
+
+// The walk of an eye path through a raster position; without a start its time and lane are drawn.
+Walk start_at_camera(const World& world, const Vec2& raster, const PathStart& start, RandomStream& random);
 Walk start_at_camera(const World& world, const Vec2& raster, const Wavelengths& wavelengths, RandomStream& random);
 
 }  // namespace dapple

@@ -142,6 +142,7 @@ TEST(Camera, ConnectionsFindTheRasterPositionOfTheRay)
             EXPECT_NEAR(c.distance, t, 2e-5f * t) << name;
             EXPECT_LT(length(c.position - ray.origin), 1e-5f) << name;
             EXPECT_LT(length(c.wi + ray.direction), 1e-5f) << name;
+            EXPECT_NEAR(importance_at(camera, ray.at(t), t, time), c.importance, 1e-4f * c.importance) << name;
         }
     }
 }
