@@ -262,6 +262,21 @@ void Film::splat(const Vec2& raster, const Vec3& sensor_rgb, PathClass path_clas
     }
 }
 
+void Film::add_to_pixel(Int2 pixel, const Vec3& sensor_rgb, PathClass path_class, LightGroup group)
+{
+    Sums& s = *sums_;
+    if (!accepted(sensor_rgb)) {
+        accidents_.splat.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+    const Int2 local = pixel - s.crop_min;
+    if (local.x < 0 || local.y < 0 || local.x >= s.crop_size.x || local.y >= s.crop_size.y) return;
+    const size_t index = s.index(pixel.x, pixel.y);
+    add_rgb(s.layers[s.radiance_layer(path_class)].pixel(index), sensor_rgb, 1.0);
+    if (group.value < settings_.light_groups.size())
+        add_rgb(s.layers[s.first_group + group.value].pixel(index), sensor_rgb, 1.0);
+}
+
 void Film::end_pass()
 {
     if (errors_) errors_->end_pass(settings_.first_pass + passes_, sums_->luminance());

@@ -104,6 +104,10 @@ public:
     // filter's radius count too: without them the border pixels would come out too dark.
     void splat(const Vec2& raster, const Vec3& sensor_rgb, PathClass path_class, LightGroup group);
 
+    // Adds a light path's contribution to one pixel, as it is: for those who know whose eye sample it belongs to.
+    // Thread-safe and order-independent. A pixel outside of the crop window is ignored.
+    void add_to_pixel(Int2 pixel, const Vec3& sensor_rgb, PathClass path_class, LightGroup group);
+
     // Call once after each pass; passes come in order, from settings().first_pass on.
     void end_pass();
     uint32_t passes() const { return passes_; }
