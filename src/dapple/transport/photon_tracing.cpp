@@ -8,21 +8,38 @@ namespace {
 
 constexpr int64_t chunk_paths = 4096;
 
+bool start_path(const World& world, const PhotonRequest& request, RandomStream& random, Walk& walk, bool& delta_light)
+{
+    Departure departure;
+    PathStart start = path_start(request.wavelengths, random.next_2d());
+    if (request.time) start.time = *request.time;
+    if (!emit(world, start, random, walk, departure)) return false;
+    delta_light = departure.sample.delta_position || departure.sample.delta_direction;
+    return true;
+}
+
+bool wants(const PhotonRequest& request, PathClass path_class)
+{
+    if (request.caustic_only) return path_class == PathClass::caustic;
+    return request.keep_direct || path_class != PathClass::direct;
+}
+
 void trace_one(const World& world, const PhotonRequest& request, int64_t index, std::vector<Photon>& out)
 {
-    RandomStream random(request.seed, request.stream, static_cast<uint32_t>(index));
+    RandomStream random = light_path_stream(request.seed, request.stream, index);
     Walk walk;
-    if (!emit(world, request.wavelengths, random, walk)) return;
+    bool delta_light = false;
+    if (!start_path(world, request, random, walk, delta_light)) return;
     while (const Vertex* vertex = walk.next(world, random)) {
         if (request.caustic_only && walk.events().diffuse > 0) return;
         if (vertex->on_surface && !vertex->is_delta()) {
             PathEvents events = walk.events();
             events.add_surface(false);
             const PathClass path_class = classify({}, events);
-            if (!request.caustic_only || path_class == PathClass::caustic)
+            if (wants(request, path_class))
                 out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
                                walk.arriving(), static_cast<uint8_t>(walk.light_group.value),
-                               static_cast<uint8_t>(path_class)});
+                               static_cast<uint8_t>(path_class), delta_light});
             if (request.caustic_only && !vertex->has_delta_lobe()) return;
         }
         if (walk.depth() >= request.max_depth || !walk.survive_roulette(random)) return;
@@ -41,6 +58,12 @@ std::vector<std::vector<Photon>> trace_photons(const World& world, const PhotonR
         for (int64_t i = begin; i < end; ++i) trace_one(world, request, i, batch);
     });
     return batches;
+}
+
+void trace_photons(const World& world, const PhotonRequest& request, int64_t begin, int64_t end,
+                   std::vector<Photon>& out)
+{
+    for (int64_t i = begin; i < end; ++i) trace_one(world, request, i, out);
 }
 
 }  // namespace dapple

@@ -47,5 +47,21 @@ TEST(PhotonTracing, FindsTheCausticsOfCoatsInCausticPassesToo)
     EXPECT_NEAR(alone.flux / global.flux, 1.0, 5.0 / std::sqrt(static_cast<double>(global.photons)));
 }
 
+TEST(PhotonTracing, PathsBeyondFourThousandMillionsAreNotThoseBefore)
+{
+    constexpr int64_t upper = int64_t(1) << 32;
+    int equal = 0;
+    for (const int64_t path : {int64_t(0), int64_t(1), int64_t(77)})
+        for (const int64_t later : {upper, 2 * upper, 3 * upper}) {
+            RandomStream first = light_path_stream(1, 2, path), second = light_path_stream(1, 2, path + later);
+            for (int i = 0; i < 10; ++i) equal += first.next() == second.next();
+        }
+    EXPECT_LE(equal, 1);
+    // Near ones stay points of one sequence: each half of the unit interval gets exactly half of them.
+    int low = 0;
+    for (int64_t path = upper; path < upper + 64; ++path) low += light_path_stream(1, 2, path).next() < 0.5f;
+    EXPECT_EQ(low, 32);
+}
+
 }  // namespace
 }  // namespace dapple
