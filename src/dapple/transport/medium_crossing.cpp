@@ -3,6 +3,18 @@
 namespace dapple {
 namespace {
 
+// A flight through one segment of constant majorant: moves t to the next collision, tentative or real, and returns
+// true, or returns false where the segment ends first. `transmittance`, that of the majorant since the last event,
+// takes the flight's factor. Flights are drawn for the lane of majorant `decided`; with 0 nothing is met.
+bool fly(const MajorantSegment& segment, float decided, RandomStream& random, float& t, Spectrum& transmittance)
+{
+    const float flight = decided > 0.0f ? -std::log1p(-random.next()) / decided : infinity;
+    const bool collides = t + flight < segment.t_max;
+    transmittance *= exp(segment.majorant * -(collides ? flight : segment.t_max - t));
+    t += flight;
+    return collides;
+}
+
 // Multiplies a crossing's factors by those of one event of density pdf (of the deciding lane).
 void apply(MediumEvent& event, const Spectrum& contribution, const Spectrum& light_density, float pdf)
 {
@@ -29,14 +41,7 @@ MediumEvent cross_medium(const World& world, MediumId medium_id, const Ray& ray,
     while (tracker.next_segment(segment)) {
         float t = segment.t_min;
         const float decided = segment.majorant[kept_lane];
-        for (;;) {
-            const float flight = decided > 0.0f ? -std::log1p(-random.next()) / decided : infinity;
-            if (t + flight >= segment.t_max) {
-                majorant_transmittance *= exp(segment.majorant * -(segment.t_max - t));
-                break;
-            }
-            t += flight;
-            majorant_transmittance *= exp(segment.majorant * -flight);
+        while (fly(segment, decided, random, t, majorant_transmittance)) {
             const MediumPoint point = evaluate(world.media, world.spectra, medium, ray.at(t), wavelengths);
             const float transmitted = majorant_transmittance[kept_lane];
             if (!point.emission.is_black()) {
@@ -85,17 +90,9 @@ void attenuate(Transmittance& result, const World& world, MediumId medium_id, co
     MajorantSegment segment;
     while (tracker.next_segment(segment)) {
         float t = segment.t_min;
-        const float decided = segment.majorant[kept_lane];
-        for (;;) {
-            // A homogeneous medium needs no tracking: its transmittance is known.
-            const bool known = medium.kind == Medium::Kind::homogeneous || !(decided > 0.0f);
-            const float flight = known ? infinity : -std::log1p(-random.next()) / decided;
-            if (t + flight >= segment.t_max) {
-                majorant_transmittance *= exp(segment.majorant * -(segment.t_max - t));
-                break;
-            }
-            t += flight;
-            majorant_transmittance *= exp(segment.majorant * -flight);
+        // A homogeneous medium needs no tracking: its transmittance is known.
+        const float decided = medium.kind == Medium::Kind::homogeneous ? 0.0f : segment.majorant[kept_lane];
+        while (fly(segment, decided, random, t, majorant_transmittance)) {
             const MediumPoint point = evaluate(world.media, world.spectra, medium, ray.at(t), wavelengths);
             const Spectrum null = clamp_zero(segment.majorant - point.sigma_a - point.sigma_s);
             const float scale = 1.0f / (majorant_transmittance[kept_lane] * decided);
