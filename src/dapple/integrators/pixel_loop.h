@@ -8,7 +8,7 @@
 namespace dapple {
 
 // Random streams are told apart by purpose, so that no two parts of a program share numbers.
-enum class StreamPurpose : uint64_t { pixel = 1, photon = 2, wavelength_set = 3, splat = 4 };
+enum class StreamPurpose : uint64_t { pixel = 1, photon = 2, wavelength_set = 3, splat = 4, shutter = 5 };
 
 inline RandomStream pixel_stream(uint64_t seed, Int2 pixel, uint32_t sample)
 {

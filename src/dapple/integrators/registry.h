@@ -8,5 +8,6 @@ namespace dapple {
 extern const IntegratorEntry path_tracing_entry;
 extern const IntegratorEntry light_tracing_entry;
 extern const IntegratorEntry photon_mapping_entry;
+extern const IntegratorEntry progressive_photon_mapping_entry;
 
 }  // namespace dapple

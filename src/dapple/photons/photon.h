@@ -15,7 +15,8 @@ struct Photon {
     Vec3 normal{0, 0, 1};     // geometric normal of the surface it met, on the side that `direction` points to
     Spectrum flux;            // [W], not divided by the number of emitted paths: the store knows that number
     uint8_t light_group = 0;
-    uint8_t path_class = 0;  // class of the path up to and including this vertex's arrival: see the integrator
+    uint8_t path_class = 0;         // class of the path up to and including this vertex's arrival: see the integrator
+    bool from_delta_light = false;  // point-like or distant: no eye path can meet that light
 };
 
 }  // namespace dapple

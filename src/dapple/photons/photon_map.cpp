@@ -51,7 +51,7 @@ PhotonMap::PhotonMap(std::vector<std::vector<Photon>>&& batches, uint64_t emitte
             packed[to] = {{{static_cast<uint16_t>(direction & 0xffffu), static_cast<uint16_t>(direction >> 16)},
                            pack_flux(photon.flux, to),
                            photon.light_group,
-                           photon.path_class},
+                           static_cast<uint8_t>(photon.path_class | (photon.from_delta_light ? delta_light_bit : 0))},
                           static_cast<uint16_t>(pack_unit<8>(photon.normal))};
             ++to;
         }

@@ -1,6 +1,7 @@
 // The photons of one emission, packed in the leaf order of a PointTree. Bytes per photon: position 12, tree 3.43,
-// geometric normal 2, direction 4, flux 8, light group 1, path class 1: 31.43 in all (leaves are filled to eight, so
-// small maps take a little more). While it is built, the map needs about 90 bytes per photon besides its batches.
+// geometric normal 2, direction 4, flux 8, light group 1, path class and kind of light 1: 31.43 in all (leaves are
+// filled to eight, so small maps take a little more). While it is built, the map needs about 90 bytes per photon
+// besides its batches.
 #pragma once
 
 #include "dapple/photons/photon.h"
@@ -56,10 +57,12 @@ public:
     Vec3 normal(uint32_t slot) const { return unpack_unit<8>(normal_[slot]); }
     Spectrum flux(uint32_t slot) const { return unpack_flux(payload_[slot].flux); }
     uint8_t light_group(uint32_t slot) const { return payload_[slot].light_group; }
-    uint8_t path_class(uint32_t slot) const { return payload_[slot].path_class; }
+    uint8_t path_class(uint32_t slot) const { return payload_[slot].path_class & ~delta_light_bit; }
+    bool from_delta_light(uint32_t slot) const { return (payload_[slot].path_class & delta_light_bit) != 0; }
     Photon photon(uint32_t slot) const
     {
-        return {position(slot), direction(slot), normal(slot), flux(slot), light_group(slot), path_class(slot)};
+        return {position(slot),    direction(slot),  normal(slot),          flux(slot),
+                light_group(slot), path_class(slot), from_delta_light(slot)};
     }
 
     // Calls visit(slot, distance_squared) for each photon nearer to p than radius.
@@ -85,6 +88,7 @@ public:
     }
 
 private:
+    static constexpr uint8_t delta_light_bit = 0x80;  // beside the path class
     struct Payload {
         uint16_t direction[2];
         PackedFlux flux;

@@ -1,0 +1,120 @@
+#include "dapple/integrators/visible_points.h"
+
+#include "dapple/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace dapple {
+namespace {
+
+// Van der Corput's sequence in base 2.
+double radical_inverse(uint64_t i)
+{
+    double value = 0.0;
+    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) value += digit * static_cast<double>(i & 1u);
+    return value;
+}
+
+// Times of sets spread evenly over the shutter as passes go on. Sets change places every `sets` passes, so that no
+// wavelengths belong to a part of the shutter.
+float time_of_set(uint64_t seed, uint32_t pass, int set, int sets)
+{
+    const auto n = static_cast<uint64_t>(sets);
+    const uint64_t index = pass * n + (static_cast<uint64_t>(set) + pass / n) % n;
+    const double shift = to_unit_float(hash_words(seed, static_cast<uint64_t>(StreamPurpose::shutter)));
+    const double time = radical_inverse(index) + shift;
+    return static_cast<float>(std::min(time - std::floor(time), 0x1.fffffep-1));
+}
+
+// Diagonal of the box round all shapes [m]; 0 where there are none.
+float scene_size(const World& world)
+{
+    const Vec3 diagonal = world.bounds.max - world.bounds.min;
+    return is_finite(diagonal) && diagonal.x >= 0.0f ? length(diagonal) : 0.0f;
+}
+
+}  // namespace
+
+VisiblePointSettings::VisiblePointSettings(const World& world, const Settings& settings, std::string_view integrator)
+    : paths_(settings.is_auto("photons") ? 0 : settings.integer("photons")),
+      radius_pixels_(static_cast<float>(settings.number("radius"))),
+      fixed_radius_(settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"))),
+      alpha_(settings.number("alpha")),
+      kernel_(kernel_named(settings.word("kernel"))),
+      wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
+      max_depth_(static_cast<int>(settings.integer("maxdepth"))),
+      moving_(std::any_of(world.instances.begin(), world.instances.end(),
+                          [](const GroupInstance& instance) { return instance.world_from_group.moves(); }))
+{
+    if (alpha_ > 1.0) throw UserError("setting 'alpha' must not be above 1: radii would grow");
+    if (world.has_scattering_media || world.has_emitting_media)
+        throw UserError(
+            fmt::format("{} does not know media that scatter or emit yet; use path or lightpath", integrator));
+}
+
+int64_t VisiblePointSettings::paths(Int2 resolution) const
+{
+    return paths_ > 0 ? paths_ : std::max<int64_t>(25'000, int64_t(resolution.x) * resolution.y);
+}
+
+std::vector<PassSet> VisiblePointSettings::sets_of_pass(const PassContext& context, ColorModel model,
+                                                        int64_t paths) const
+{
+    const int count = sets(model);
+    std::vector<PassSet> sets(static_cast<size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        PassSet& set = sets[static_cast<size_t>(i)];
+        set.wavelengths = wavelengths_of_set(model, context.seed, context.pass, i, count);
+        if (moving_) set.time = time_of_set(context.seed, context.pass, i, count);
+        PhotonRequest& photons = set.photons;
+        photons.wavelengths = set.wavelengths;
+        photons.seed = context.seed;
+        photons.stream = hash_words(static_cast<uint64_t>(StreamPurpose::photon), uint64_t(context.pass), uint64_t(i));
+        photons.paths = std::max<int64_t>(1, paths / count);
+        photons.keep_direct = false;
+        photons.max_depth = max_depth_;
+        photons.time = set.time;
+        photons.cancel = context.cancel;
+    }
+    return sets;
+}
+
+std::vector<std::string> VisiblePointSettings::describe(const World& world) const
+{
+    std::vector<std::string> lines;
+    if (fixed_radius_ > 0.0f)
+        lines.push_back(fmt::format("radius {:.3g} m in the first pass, as given", fixed_radius_));
+    else
+        lines.push_back(fmt::format(
+            "radius of {:.3g} pixel footprints in the first pass: {:.3g} m at a distance of "
+            "{:.3g} m, half the size of the scene",
+            radius_pixels_, first_radius(world.camera, 0.5f * scene_size(world)), 0.5f * scene_size(world)));
+    lines.push_back(fmt::format("squared radii fall as pass^({:.3g} - 1), {} kernel", alpha_,
+                                kernel_names[static_cast<size_t>(kernel_)]));
+    const int64_t auto_paths = paths(world.camera.resolution);
+    lines.push_back(paths_ > 0 ? fmt::format("{} light paths per pass, as given", paths_)
+                               : fmt::format("{} light paths per pass, as many as pixels", auto_paths));
+    if (moving_) lines.push_back("shapes move: each pass shows them at a few times, and passes average these");
+    return lines;
+}
+
+Spectrum photon_radiance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, const Spectrum& flux, PathClass path_class,
+                         bool from_delta_light, float weight)
+{
+    const Spectrum f = evaluate(bsdf, wo, wi, TransportMode::radiance);
+    if (f.is_black()) return f;
+    float share = 1.0f;
+    const bool caustic = path_class == PathClass::caustic;
+    const bool matte = bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission;
+    if (!matte && !(caustic && from_delta_light)) {
+        const float density = pdf(bsdf, wo, wi, TransportMode::radiance);
+        share = 1.0f - (caustic ? eye_share_of_caustic(density) : eye_share(density));
+    }
+    // Flux per area counts geometric cosines, reflection the shading one.
+    const float cosines = abs_dot(wi, bsdf.frame.n) / std::max(abs_dot(wi, bsdf.n_geometric), 1e-4f);
+    return f * flux * (weight * share * cosines);
+}
+
+}  // namespace dapple
