@@ -50,18 +50,20 @@ struct Lookup {
 Vec3 bumped_normal(const Textures& textures, FloatTextureId displacement, const SurfacePoint& at)
 {
     const Vec3& n = at.n_shading;
+    // Not dpdu_shading, which is of unit length and may follow the mesh's own tangents: slopes are per uv.
+    const Vec3 dpdu = at.dpdu - n * dot(n, at.dpdu);
     const Vec3 dpdv = at.dpdv - n * dot(n, at.dpdv);
     // Where the parametrisation collapses, slopes along it mean nothing.
-    if (!(length_squared(cross(at.dpdu_shading, dpdv)) > 0.0f)) return n;
+    if (!(length_squared(cross(dpdu, dpdv)) > 0.0f)) return n;
     SurfacePoint shifted = at;
-    shifted.position = at.position + at.dpdu_shading * bump_step;
+    shifted.position = at.position + dpdu * bump_step;
     shifted.uv.x = at.uv.x + bump_step;
     const float along_u = evaluate(textures, displacement, shifted);
     shifted.position = at.position + dpdv * bump_step;
     shifted.uv = Vec2(at.uv.x, at.uv.y + bump_step);
     const float along_v = evaluate(textures, displacement, shifted);
     const float here = evaluate(textures, displacement, at);
-    const Vec3 u = at.dpdu_shading + n * ((along_u - here) / bump_step) + at.dndu * here;
+    const Vec3 u = dpdu + n * ((along_u - here) / bump_step) + at.dndu * here;
     const Vec3 v = dpdv + n * ((along_v - here) / bump_step) + at.dndv * here;
     const Vec3 raw = cross(u, v);
     const float len = length(raw);
