@@ -115,7 +115,8 @@ scene::Mesh read_triangle_mesh(PbrtParameters& parameters)
     scene::MeshData mesh = read_vertices(parameters);
     mesh.triangles = read_indices(parameters, 3, mesh.positions.size());
     read_vertex_attributes(parameters, mesh);
-    parameters.ignore("S", "tangents follow the texture coordinates");
+    mesh.tangents = parameters.vectors("S");
+    check_count(parameters, "S", mesh.tangents.size(), mesh.positions.size());
     return {std::make_shared<const scene::MeshData>(std::move(mesh))};
 }
 

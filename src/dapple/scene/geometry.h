@@ -17,6 +17,7 @@ struct MeshData {
     std::vector<Vec2> uvs;
     std::vector<uint32_t> triangles;  // 3 per face
     std::vector<uint32_t> quads;      // 4 per face: p00, p10, p01, p11 of a bilinear patch
+    std::vector<Vec3> tangents;       // orient anisotropic lobes on triangles; else the texture coordinates do
 };
 
 struct Sphere {

@@ -45,6 +45,15 @@ Vec3 error_bound(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3d& e1
     return bound;
 }
 
+// The direction that anisotropic lobes follow: the interpolated shading tangent, or dpdu where there is none.
+Vec3 tangent_direction(const MeshTriangle& triangle, const Vec2& barycentrics, const Vec3& dpdu)
+{
+    if (!triangle.has_tangents) return dpdu;
+    const Vec3 s = triangle.s[0] * (1.0f - barycentrics.x - barycentrics.y) + triangle.s[1] * barycentrics.x +
+                   triangle.s[2] * barycentrics.y;
+    return length_squared(s) > 0.0f && is_finite(s) ? s : dpdu;
+}
+
 // dpdu, dpdv and what follows from them; `interpolated`: the shading normal before it was normalised, or null.
 void set_tangents(const Vec3d edges[2], double du[2], double dv[2], const MeshTriangle& triangle, const Vec3& n,
                   const Vec3d* interpolated, SurfacePoint& point)
@@ -75,7 +84,6 @@ void set_tangents(const Vec3d edges[2], double du[2], double dv[2], const MeshTr
             point.dndv = to_float(detail::normalized_change(*interpolated, n_along_v));
         }
     }
-    point.dpdu_shading = Frame::from_normal_tangent(point.n_shading, point.dpdu).s;
 }
 
 }  // namespace
@@ -132,8 +140,11 @@ SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& baryce
         dv[0] = 0.0;
         point.uv = Vec2(static_cast<float>(b1 + b2), static_cast<float>(b2));
     }
-    if (detail == SurfaceDetail::tangents)
+    if (detail == SurfaceDetail::tangents) {
         set_tangents(edges, du, dv, triangle, n, has_normal ? &interpolated : nullptr, point);
+        const Vec3 along = tangent_direction(triangle, barycentrics, point.dpdu);
+        point.dpdu_shading = Frame::from_normal_tangent(point.n_shading, along).s;
+    }
     return point;
 }
 

@@ -10,14 +10,17 @@ struct MeshTriangle {
     Vec3 p[3];
     Vec3 n[3];   // shading normals, in the space of p, negated already under ReverseOrientation; used when has_normals
     Vec2 uv[3];  // used when has_uv, else (0,0), (1,0), (1,1) as in pbrt
+    Vec3 s[3];   // shading tangents, in the space of p; used when has_tangents
     bool has_normals = false;
     bool has_uv = false;
+    bool has_tangents = false;
     bool flip = false;  // ReverseOrientation xor "the transform swaps handedness", see Primitive::flip
 };
 
 // The point with barycentric coordinates (b1, b2) of vertices 1 and 2, as Embree reports them.
 // n_geometric is cross(p1 - p0, p2 - p0) normalised, negated by flip; with shading normals it is turned to the side of
 // the interpolated one. dpdu and dpdv follow the uv; where these are degenerate they are an orthonormal tangent frame.
+// dpdu_shading follows the shading tangents, interpolated, else dpdu.
 // A triangle without area has some unit normal. Without tangents (SurfaceDetail) dpdu to dndv keep their defaults.
 SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time,
                                 SurfaceDetail detail = SurfaceDetail::tangents);

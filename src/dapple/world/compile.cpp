@@ -21,7 +21,8 @@ void measure(const World& world, CompileReport& report)
     for (const Mesh& mesh : world.meshes) {
         report.triangles += mesh.indices.size() / 3;
         report.geometry_bytes += mesh.positions.size() * sizeof(Vec3) + mesh.normals.size() * sizeof(Vec3) +
-                                 mesh.uvs.size() * sizeof(Vec2) + mesh.indices.size() * sizeof(uint32_t);
+                                 mesh.uvs.size() * sizeof(Vec2) + mesh.tangents.size() * sizeof(Vec3) +
+                                 mesh.indices.size() * sizeof(uint32_t);
     }
     report.other_primitives = world.primitives.size();
     report.geometry_bytes += world.primitives.size() * sizeof(Primitive);
@@ -35,6 +36,18 @@ void measure(const World& world, CompileReport& report)
     for (const Grid& grid : world.media.grids) report.medium_bytes += grid.values.size() * sizeof(float);
 }
 
+// The scene's camera; without pixel jitter, as in pbrt, one that sees the middle of the shutter interval through the
+// middle of its lens.
+scene::Camera still_camera(const scene::Description& description)
+{
+    scene::Camera camera = description.camera;
+    if (description.options.disable_pixel_jitter) {
+        camera.shutter_open = camera.shutter_close = 0.5f * (camera.shutter_open + camera.shutter_close);
+        camera.lens_radius = 0.0f;
+    }
+    return camera;
+}
+
 }  // namespace
 
 std::unique_ptr<World> compile(const scene::Description& description, CompileReport* report_out)
@@ -42,7 +55,7 @@ std::unique_ptr<World> compile(const scene::Description& description, CompileRep
     CompileReport report;
     auto world = std::make_unique<World>();
     world->light_group_names = {"default"};
-    detail::CompileContext context{description, *world, report, {}, {}, {}, {}};
+    detail::CompileContext context{description, *world, report, still_camera(description), {}, {}, {}, {}};
 
     report.seconds_textures = timed([&] {
         detail::compile_textures(context);
@@ -93,7 +106,7 @@ LightGroup light_group(World& world, const std::string& name)
 
 void compile_camera(CompileContext& context)
 {
-    const scene::Camera& camera = context.description.camera;
+    const scene::Camera& camera = context.camera;
     const scene::Film& film = context.description.film;
     const AnimatedTransform world_from_camera = over_shutter(camera.world_from_camera, camera);
     Camera& out = context.world.camera;

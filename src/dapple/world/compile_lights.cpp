@@ -44,7 +44,7 @@ struct Fill {
     // Places the light: `place` is applied first, in the light's own space.
     void place(const Transform& place) const
     {
-        const AnimatedTransform moving = over_shutter(source.world_from_light, context.description.camera);
+        const AnimatedTransform moving = over_shutter(source.world_from_light, context.camera);
         out.world_from_light = moving.moves() ? AnimatedTransform(moving.start() * place, moving.end() * place)
                                               : AnimatedTransform(moving.start() * place);
     }

@@ -32,6 +32,8 @@ Mesh bake_mesh(const Job& job, const scene::MeshData& data)
         mesh.normals.push_back(job.shape->reverse_orientation ? -unit : unit);
     }
     mesh.uvs = data.uvs;
+    mesh.tangents.reserve(data.tangents.size());
+    for (const Vec3& s : data.tangents) mesh.tangents.push_back(job.transform.vector(s));
     mesh.indices = data.triangles;
     mesh.positions.push_back(Vec3(0));  // padding, see Mesh
     return mesh;
@@ -94,7 +96,7 @@ void bake(Job& job)
     } else if (const auto* loop = std::get_if<scene::LoopSubdivision>(&geometry)) {
         const SubdividedMesh fine =
             loop_subdivide(loop->data->positions, loop->data->triangles, loop->levels, job.shape->at);
-        job.mesh = bake_mesh(job, scene::MeshData{fine.positions, fine.normals, {}, fine.indices, {}});
+        job.mesh = bake_mesh(job, scene::MeshData{fine.positions, fine.normals, {}, fine.indices, {}, {}});
     }
 }
 
@@ -176,10 +178,10 @@ void compile_shapes(CompileContext& context)
     std::vector<Job> jobs;
     std::vector<const scene::Shape*> moving;
     for (const scene::Shape& shape : description.shapes) {
-        if (over_shutter(shape.world_from_object, description.camera).moves())
+        if (over_shutter(shape.world_from_object, context.camera).moves())
             moving.push_back(&shape);
         else
-            jobs.push_back({&shape, over_shutter(shape.world_from_object, description.camera).start(), true, {}, {}});
+            jobs.push_back({&shape, over_shutter(shape.world_from_object, context.camera).start(), true, {}, {}});
     }
     std::vector<size_t> group_ends;
     const size_t static_count = jobs.size();
@@ -211,11 +213,10 @@ void compile_shapes(CompileContext& context)
         world.groups.push_back(group);
     }
     for (const scene::Instance& instance : description.instances)
-        world.instances.push_back(
-            {instance.object.value, over_shutter(instance.world_from_object, description.camera)});
+        world.instances.push_back({instance.object.value, over_shutter(instance.world_from_object, context.camera)});
     for (size_t i = 0; i < moving.size(); ++i)
         world.instances.push_back({static_cast<uint32_t>(description.objects.size() + i),
-                                   over_shutter(moving[i]->world_from_object, description.camera)});
+                                   over_shutter(moving[i]->world_from_object, context.camera)});
 }
 
 }  // namespace dapple::detail

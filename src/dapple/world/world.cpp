@@ -90,10 +90,12 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
     triangle.flip = geometry.flip;
     triangle.has_normals = !mesh.normals.empty();
     triangle.has_uv = !mesh.uvs.empty();
+    triangle.has_tangents = !mesh.tangents.empty() && geometry.detail == SurfaceDetail::tangents;
     for (int corner = 0; corner < 3; ++corner) {
         triangle.p[corner] = mesh.positions[index[corner]];
         if (triangle.has_normals) triangle.n[corner] = mesh.normals[index[corner]];
         if (triangle.has_uv) triangle.uv[corner] = mesh.uvs[index[corner]];
+        if (triangle.has_tangents) triangle.s[corner] = mesh.tangents[index[corner]];
     }
     if (!placed) return mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
 
@@ -105,6 +107,7 @@ SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
             group_size[axis] = std::max(group_size[axis], std::fabs(triangle.p[corner][axis]));
         triangle.p[corner] = place.point(triangle.p[corner]);
         if (triangle.has_normals) triangle.n[corner] = normalize(place.normal(triangle.n[corner]));
+        if (triangle.has_tangents) triangle.s[corner] = place.vector(triangle.s[corner]);
     }
     SurfacePoint at = mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
     const auto& m = place.matrix().m;

@@ -38,6 +38,7 @@ struct Mesh {
     std::vector<Vec3> positions;    // one more than there are vertices: Embree reads 16 bytes at a time
     std::vector<Vec3> normals;      // empty, or one per vertex
     std::vector<Vec2> uvs;          // empty, or one per vertex
+    std::vector<Vec3> tangents;     // empty, or one per vertex, of any length
     std::vector<uint32_t> indices;  // three per triangle
 };
 

@@ -187,13 +187,14 @@ TEST(PbrtEntities, MeshesAndPatches)
 {
     const auto scene = world(
         "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"point2 uv\" [ 0 0 1 0 0 1 ] \"normal N\" [ 0 0 1 "
-        "0 0 1 0 0 1 ]\n"
+        "0 0 1 0 0 1 ] \"vector3 S\" [ 1 2 3 4 5 6 7 8 9 ]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ]\n"
         "Shape \"loopsubdiv\" \"integer levels\" 2 \"point P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 2 1 0 ]\n");
     const auto& triangle = *std::get<scene::Mesh>(scene.shapes[0].geometry).data;
     EXPECT_EQ(triangle.triangles, (std::vector<uint32_t>{0, 1, 2}));
     EXPECT_EQ(triangle.normals.size(), 3u);
     EXPECT_EQ(triangle.uvs[2], Vec2(0, 1));
+    EXPECT_EQ(triangle.tangents, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
     EXPECT_EQ(std::get<scene::Mesh>(scene.shapes[1].geometry).data->quads, (std::vector<uint32_t>{0, 1, 2, 3}));
     const auto& loop = std::get<scene::LoopSubdivision>(scene.shapes[2].geometry);
     EXPECT_EQ(loop.levels, 2);

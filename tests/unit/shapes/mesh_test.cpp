@@ -73,6 +73,27 @@ TEST(Mesh, DegenerateUvAndTrianglesStayFinite)
     EXPECT_NEAR(length(point.n_geometric), 1.0f, 1e-6f);
 }
 
+// Shading tangents turn the frame of anisotropic lobes and leave the parametrisation alone.
+TEST(Mesh, ShadingTangentsOrientLobes)
+{
+    for (uint64_t i = 0; i < 100; ++i) {
+        MeshTriangle t = random_triangle(i, 1.0f, Vec3(0.0f));
+        t.has_uv = true;
+        t.has_normals = i % 2 == 0;
+        const SurfacePoint without = mesh_surface_point(t, {0.2f, 0.3f}, 0);
+        t.has_tangents = true;
+        for (uint64_t k = 0; k < 3; ++k) t.s[k] = random_in_cube(i, 60 + k) * 3.0f;
+        const SurfacePoint with = mesh_surface_point(t, {0.2f, 0.3f}, 0);
+        const Vec3 s = t.s[0] * 0.5f + t.s[1] * 0.2f + t.s[2] * 0.3f;
+        const Vec3 expected = normalize(s - with.n_shading * dot(s, with.n_shading));
+        EXPECT_LT(length(with.dpdu_shading - expected), 1e-4f);
+        EXPECT_EQ(with.dpdu, without.dpdu);
+        EXPECT_EQ(with.dndv, without.dndv);
+        t.s[0] = t.s[1] = t.s[2] = Vec3(0.0f);  // no direction: the parametrisation's
+        EXPECT_EQ(mesh_surface_point(t, {0.2f, 0.3f}, 0).dpdu_shading, without.dpdu_shading);
+    }
+}
+
 // The single-precision test of Moeller and Trumbore in the form Embree evaluates: everything relative to the ray's
 // origin, the normal from the edges, accepted when t > 0.
 bool float_hit(const MeshTriangle& t, const Vec3& origin, const Vec3& direction, float& distance)

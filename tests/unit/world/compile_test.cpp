@@ -32,5 +32,48 @@ TEST(Compile, MakesABoundaryOnlyBetweenDifferentMedia)
     EXPECT_EQ(world->medium_beyond(1, false, MediumId()), MediumId(0u));
 }
 
+// The tangents of a mesh turn with its shape and with the instance it is part of.
+TEST(Compile, PlacesTheTangentsOfMeshes)
+{
+    SmallScene scene;
+    scene::ConductorMaterial brushed;
+    brushed.roughness = {scene::FloatInput(0.1f), scene::FloatInput(0.4f)};
+    scene::MeshData data;
+    data.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}};
+    data.triangles = {0, 1, 2};
+    data.tangents = {{3, 1, 0}, {3, 1, 0}, {3, 1, 0}};
+    scene::Shape& shape =
+        scene.shape(scene::Mesh{std::make_shared<scene::MeshData>(std::move(data))}, scene.material(brushed));
+    const Matrix4 turned = rotation(90.0f, Vec3(0, 0, 1));
+    shape.world_from_object = {turned, turned};
+    const Vec3 expected = normalize(Vec3(-1, 3, 0));
+    const auto tangent = [&](const Vec3& origin) {
+        const auto world = scene.world();
+        const Ray ray{origin, Vec3(0, 0, -1), 0.0f};
+        Hit hit;
+        EXPECT_TRUE(world->intersect(ray, infinity, hit));
+        return world->surface_point(ray, hit).dpdu_shading;
+    };
+    EXPECT_LT(length(tangent(Vec3(0.2f, 0.3f, 1)) - expected), 1e-5f);
+    // A moving shape is placed by an instance.
+    shape.world_from_object.end = translation(Vec3(4, 0, 0)) * turned;
+    EXPECT_LT(length(tangent(Vec3(0.2f, 0.3f, 1)) - expected), 1e-5f);
+}
+
+// Without jitter the shutter is open for a moment only.
+TEST(Compile, HoldsTheSceneStillWithoutPixelJitter)
+{
+    SmallScene scene;
+    scene::Shape& shape = scene.square(0.0f, 1.0f, scene.material(scene::DiffuseMaterial{}));
+    shape.world_from_object.end = translation(Vec3(0, 0, 3));
+    EXPECT_EQ(scene.world()->instances.size(), 1u);
+    scene.description.options.disable_pixel_jitter = true;
+    const auto world = scene.world();
+    EXPECT_TRUE(world->instances.empty());
+    Hit hit;
+    ASSERT_TRUE(world->intersect(Ray{Vec3(0.2f, 0.3f, 4), Vec3(0, 0, -1), 0.9f}, infinity, hit));
+    EXPECT_FLOAT_EQ(hit.t, 2.5f);
+}
+
 }  // namespace
 }  // namespace dapple
