@@ -22,8 +22,8 @@ namespace dapple {
 // What one eye path brings to its pixel besides radiance; averaged over samples.
 struct Guides {
     Vec3 albedo{0, 0, 0};    // linear sRGB
-    Vec3 normal{0, 0, 0};    // world space, shading
-    Vec3 position{0, 0, 0};  // world space [m]
+    Vec3 normal{0, 0, 0};    // shading; world space, or the camera's (FilmSettings::guides_in_camera_space)
+    Vec3 position{0, 0, 0};  // in the same space [m]
     float depth = 0.0f;      // distance from the camera along its axis [m]
 };
 
@@ -63,11 +63,13 @@ struct FilmSettings {
     Filter filter;
     Sensor sensor;
     ColorModel color_model = ColorModel::spectral;  // what integrators render in
+    bool pixel_centers = false;                     // eye paths start in the middle of their pixel, unfiltered
     // Names of the light groups, by LightGroup::value: the first is that of the lights without a name and may be "".
     // No names: no group layers.
     std::vector<std::string> light_groups;
-    bool class_layers = true;    // direct, caustic, ...
-    bool guide_layers = true;    // Albedo, N, Z, P
+    bool class_layers = true;  // direct, caustic, ...
+    bool guide_layers = true;  // Albedo, N, Z, P
+    bool guides_in_camera_space = false;
     bool photon_layers = false;  // photon density, radius
 
     // Sums for error estimates and the layers "error" (error_sums.h); they need to know which passes there are.

@@ -3,10 +3,16 @@
 namespace dapple {
 namespace {
 
-float depth_along_axis(const Camera& camera, const Vec3& p, float time)
+Vec3 in_camera_space(const Camera& camera, const Vec3& p, float time)
 {
     return camera.world_from_camera.with(
-        time, [&](const Transform& transform) { return Transform::apply_point(transform.inverse_matrix(), p).z; });
+        time, [&](const Transform& transform) { return Transform::apply_point(transform.inverse_matrix(), p); });
+}
+
+Vec3 normal_in_camera_space(const Camera& camera, const Vec3& n, float time)
+{
+    return normalize(camera.world_from_camera.with(
+        time, [&](const Transform& transform) { return transform.inverse().normal(n); }));
 }
 
 }  // namespace
@@ -17,12 +23,14 @@ void GuideRecorder::see(const Vertex& vertex)
     Guides& guides = sample_.sums.guides;
     if (!has_geometry_) {
         has_geometry_ = true;
-        guides.position = vertex.at.position;
-        guides.depth = depth_along_axis(world_.camera, vertex.at.position, vertex.at.time);
+        const Vec3 position = in_camera_space(world_.camera, vertex.at.position, vertex.at.time);
+        guides.position = sample_.guides_in_camera_space ? position : vertex.at.position;
+        guides.depth = position.z;
     }
     if (vertex.is_delta()) return;
     has_color_ = true;
-    guides.normal = vertex.bsdf.frame.n;
+    const Vec3& n = vertex.bsdf.frame.n;
+    guides.normal = sample_.guides_in_camera_space ? normal_in_camera_space(world_.camera, n, vertex.at.time) : n;
     // Once more in the rgb model: a guide must not carry colour noise.
     const MaterialId material = resolve_mix(world_.materials, world_.geometries[vertex.geometry].material, vertex.at);
     const Bsdf bsdf = make_bsdf(world_.materials, world_.spectra, material, vertex.at, Wavelengths::rgb(), 0);

@@ -8,7 +8,14 @@
 namespace dapple {
 
 // Random streams are told apart by purpose, so that no two parts of a program share numbers.
-enum class StreamPurpose : uint64_t { pixel = 1, photon = 2, wavelength_set = 3, splat = 4, shutter = 5 };
+enum class StreamPurpose : uint64_t {
+    pixel = 1,
+    photon = 2,
+    wavelength_set = 3,
+    splat = 4,
+    shutter = 5,
+    light_subpath = 6
+};
 
 inline RandomStream pixel_stream(uint64_t seed, Int2 pixel, uint32_t sample)
 {
@@ -18,7 +25,8 @@ inline RandomStream pixel_stream(uint64_t seed, Int2 pixel, uint32_t sample)
 
 inline Wavelengths choose_wavelengths(ColorModel model, float u)
 {
-    return model == ColorModel::rgb ? Wavelengths::rgb() : Wavelengths::sample_visible(u);
+    if (model == ColorModel::rgb) return Wavelengths::rgb();
+    return Wavelengths::sample_visible(model == ColorModel::fixed_spectral ? 0.5f : u);
 }
 
 // One eye sample of a pixel: everything that its contributions need on their way to the film.
@@ -30,6 +38,7 @@ struct EyeSample {
     float filter_weight;
     PixelSample& sums;
     RandomStream& random;
+    bool guides_in_camera_space = false;
 
     void add(const Spectrum& radiance, PathClass path_class, LightGroup group) const
     {
@@ -55,13 +64,15 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
             for (int x = corner.x; x < std::min(corner.x + tile, settings.crop_max.x); ++x) {
                 const Int2 pixel(x, y);
                 RandomStream random = pixel_stream(context.seed, pixel, context.pass);
-                const Filter::Sample offset = settings.filter.sample(random.next_2d());
+                const Vec2 u_offset = random.next_2d();
+                const Filter::Sample offset =
+                    settings.pixel_centers ? Filter::Sample{Vec2(0), 1.0f} : settings.filter.sample(u_offset);
                 sums.clear();
                 const Wavelengths chosen = wavelengths(pixel, random);
                 EyeSample sample{pixel,         Vec2(x + 0.5f, y + 0.5f) + offset.offset,
                                  chosen,        Sensor::LaneColors(settings.sensor, chosen),
                                  offset.weight, sums,
-                                 random};
+                                 random,        settings.guides_in_camera_space};
                 trace(sample);
                 film.add_pixel(pixel, sums, 1);
             }

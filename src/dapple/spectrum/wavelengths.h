@@ -8,7 +8,9 @@
 
 namespace dapple {
 
-enum class ColorModel { spectral, rgb };
+// fixed_spectral: the same four for every path (pbrt's option disablewavelengthjitter); it says how to choose
+// wavelengths and is never Wavelengths::model.
+enum class ColorModel { spectral, rgb, fixed_spectral };
 
 inline constexpr float lambda_min = 360.0f;
 inline constexpr float lambda_max = 830.0f;
