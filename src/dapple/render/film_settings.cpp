@@ -81,10 +81,13 @@ FilmSettings film_settings(const scene::Description& description, const World& w
     settings.filter = make_filter(description.filter);
     settings.sensor = make_sensor(film.sensor, std::string(scene::color_space_name(film.color_space)),
                                   film.white_balance, film.imaging_ratio(description.camera));
-    settings.color_model = color_model;
+    const bool fixed = color_model == ColorModel::spectral && description.options.disable_wavelength_jitter;
+    settings.color_model = fixed ? ColorModel::fixed_spectral : color_model;
+    settings.pixel_centers = description.options.disable_pixel_jitter;
     if (layers.groups && world.light_group_names.size() > 1) settings.light_groups = world.light_group_names;
     settings.class_layers = layers.classes;
     settings.guide_layers = layers.guides;
+    settings.guides_in_camera_space = film.kind == scene::Film::Kind::gbuffer && film.guides_in_camera_space;
     settings.photon_layers = layers.photons && has_photon_layers;
     return settings;
 }

@@ -92,5 +92,29 @@ TEST(Layers, AreChosenByWord)
     EXPECT_THROW(LayerChoice::parse(""), UserError);
 }
 
+// The film of a scene without lights or shapes.
+FilmSettings settings_of(const scene::Description& description, ColorModel model = ColorModel::spectral)
+{
+    const World world;
+    return film_settings(description, world, LayerChoice{}, false, model);
+}
+
+TEST(FilmSettings, FollowTheGbufferFilmAndTheOptions)
+{
+    scene::Description description;
+    EXPECT_FALSE(settings_of(description).guides_in_camera_space) << "pbrt's film 'rgb' has no guides to go by";
+    EXPECT_FALSE(settings_of(description).pixel_centers);
+    EXPECT_EQ(settings_of(description).color_model, ColorModel::spectral);
+    description.film.kind = scene::Film::Kind::gbuffer;
+    EXPECT_TRUE(settings_of(description).guides_in_camera_space);
+    description.film.guides_in_camera_space = false;
+    EXPECT_FALSE(settings_of(description).guides_in_camera_space);
+    description.options.disable_pixel_jitter = true;
+    EXPECT_TRUE(settings_of(description).pixel_centers);
+    description.options.disable_wavelength_jitter = true;
+    EXPECT_EQ(settings_of(description).color_model, ColorModel::fixed_spectral);
+    EXPECT_EQ(settings_of(description, ColorModel::rgb).color_model, ColorModel::rgb);
+}
+
 }  // namespace
 }  // namespace dapple
