@@ -63,6 +63,7 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
         for (int y = corner.y; y < std::min(corner.y + tile, settings.crop_max.y); ++y)
             for (int x = corner.x; x < std::min(corner.x + tile, settings.crop_max.x); ++x) {
                 const Int2 pixel(x, y);
+                film.prefetch_pixel(pixel);
                 RandomStream random = pixel_stream(context.seed, pixel, context.pass);
                 const Vec2 u_offset = random.next_2d();
                 const Filter::Sample offset =

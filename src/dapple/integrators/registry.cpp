@@ -8,8 +8,13 @@ namespace dapple {
 
 std::span<const IntegratorEntry> integrator_registry()
 {
-    static const std::vector<IntegratorEntry> entries = {path_tracing_entry, light_tracing_entry, photon_mapping_entry,
-                                                         progressive_photon_mapping_entry};
+    static const std::vector<IntegratorEntry> entries = {path_tracing_entry,
+                                                         light_tracing_entry,
+                                                         photon_mapping_entry,
+                                                         progressive_photon_mapping_entry,
+                                                         photon_splatting_entry,
+                                                         bdpt_entry,
+                                                         vcm_entry};
     return entries;
 }
 

@@ -1,0 +1,163 @@
+// Bidirectional path tracing, and its union with photon mapping: vertex connection and merging.
+// Lafortune and Willems 1993, "Bi-directional path tracing"; Veach 1997, chapter 10; Georgiev, Krivanek, Davidovic,
+// Slusallek 2012, "Light transport simulation with vertex connection and merging"; Hachisuka, Pantaleoni, Jensen 2012,
+// "A path space extension for robust light transport simulation".
+//
+// In each pass light subpaths are traced and stored once (light_subpaths.h). The eye path of a pixel is then joined, at
+// each vertex that is no delta, to a point of a light (s = 1), to the vertices of the light path of its pixel
+// (s, t >= 2) and, in vcm, merged with all light vertices within a radius; light vertices are joined to the camera
+// (t = 1), and eye paths that meet lights count too (s = 0). All are weighed against each other by multiple importance
+// sampling (subpath_weights.h).
+//
+// bdpt: unbiased; error falls as N^-1 in MSE. vcm: the radius is a number of pixel footprints and shrinks as
+// r_i^2 = r_1^2 Gamma(i + a) / (Gamma(1 + a) Gamma(i + 1)), a = 2/3: consistent, the blur of merging vanishes. Media:
+// joined as surfaces are, not merged. Light that media emit is found by eye paths alone.
+// Cost: a shadow ray per pair of vertices; about 400 bytes per light vertex.
+#include "dapple/integrators/bidirectional_path.h"
+
+#include "dapple/base/log.h"
+#include "dapple/density/schedule.h"
+#include "dapple/integrators/registry.h"
+
+#include <fmt/format.h>
+
+namespace dapple {
+namespace {
+
+constexpr SettingInfo max_depth_setting = {"maxdepth", "scatterings", "100", "integer >= 0 and < 60000",
+                                           "longest path, in scatterings on surfaces and in media"};
+constexpr SettingInfo light_paths_setting = {"lightpaths", "light paths", "auto", "> 0",
+                                             "light paths per pass; auto: one per pixel of the full image"};
+constexpr SettingInfo heuristic_setting = {"heuristic", "", "balance", "balance|power",
+                                           "how techniques are weighed against each other"};
+
+constexpr SettingInfo bdpt_settings[] = {max_depth_setting, light_paths_setting, heuristic_setting};
+
+constexpr SettingInfo vcm_settings[] = {
+    max_depth_setting,
+    light_paths_setting,
+    heuristic_setting,
+    {"techniques", "", "vcm", "vcm|bpm|ppm|bdpt|lightpath",
+     "vcm: all; bpm: merging at every vertex and lights met; ppm: merging at the first vertex alone; bdpt: no merging; "
+     "lightpath: the camera seen from light vertices"},
+    {"radius", "pixels", "2", "> 0", "merging radius of the first pass, in pixel footprints"},
+    {"fixedradius", "m", "auto", "> 0", "merging radius of the first pass; auto: from the footprint"},
+    {"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman", "kernel of merging"},
+    {"wavelengthsets", "sets", "4", ">= 1", "sets of four wavelengths per pass (spectral colour model)"},
+};
+
+BidirectionalPlan plan_of(std::string_view techniques, const Settings& settings)
+{
+    BidirectionalPlan plan;
+    plan.merging = techniques == "vcm" || techniques == "bpm" || techniques == "ppm";
+    plan.first_vertex_only = techniques == "ppm" || techniques == "lightpath";
+    plan.max_depth = static_cast<int>(settings.integer("maxdepth"));
+    MisRules& rules = plan.rules;
+    rules.power = settings.word("heuristic") == "power";
+    // Where eye paths end with their first vertex, lights are only met through deltas, where nothing competes.
+    rules.emission = !plan.first_vertex_only;
+    rules.direct = rules.inner = techniques == "vcm" || techniques == "bdpt";
+    rules.camera = rules.direct || techniques == "lightpath";
+    return plan;
+}
+
+class Bidirectional final : public Integrator {
+public:
+    Bidirectional(const BidirectionalPlan& plan, const Settings& settings)
+        : plan_(plan), light_paths_(settings.is_auto("lightpaths") ? 0 : settings.integer("lightpaths"))
+    {
+        if (!plan.merging) return;
+        plan_.kernel = kernel_named(settings.word("kernel"));
+        radius_pixels_ = static_cast<float>(settings.number("radius"));
+        fixed_radius_ = settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"));
+        wavelength_sets_ = static_cast<int>(settings.integer("wavelengthsets"));
+    }
+
+    void render_pass(const PassContext& context, Film& film) override
+    {
+        const ColorModel model = film.settings().color_model;
+        const LightSubpathPlan light = light_plan(context, film);
+        BidirectionalPlan plan = plan_;
+        plan.rules = light.rules;
+        const LightSubpaths subpaths(context, model, film.resolution(), light);
+        if (plan.rules.camera)
+            parallel_for(light.paths, LightSubpaths::chunk_paths, [&](int64_t path) {
+                if (!context.cancelled()) splat_light_path(context, film, plan, subpaths, path);
+            });
+        if (context.cancelled()) return;
+        for_each_pixel(
+            context, film,
+            [&](Int2 pixel, RandomStream&) { return subpaths.start(subpaths.path_of(pixel)).wavelengths; },
+            [&](EyeSample& sample) { BidirectionalEyePath(plan, context.world, subpaths, sample).trace(); });
+    }
+
+    std::vector<std::string> report() const override
+    {
+        std::vector<std::string> lines;
+        lines.push_back(light_paths_ > 0 ? fmt::format("{} light paths per pass", light_paths_)
+                                         : std::string("one light path per pixel and pass"));
+        if (plan_.merging)
+            lines.push_back(fixed_radius_ > 0.0f
+                                ? fmt::format("merging radius {} m in the first pass", fixed_radius_)
+                                : fmt::format("merging radius {} pixel footprints in the first pass", radius_pixels_));
+        return lines;
+    }
+
+private:
+    LightSubpathPlan light_plan(const PassContext& context, const Film& film) const
+    {
+        LightSubpathPlan light;
+        light.paths = light_paths_ > 0 ? light_paths_ : int64_t(film.resolution().x) * film.resolution().y;
+        light.wavelength_sets = !plan_.merging || film.settings().color_model == ColorModel::rgb ? 0 : wavelength_sets_;
+        light.max_depth = plan_.max_depth;
+        light.merging = plan_.merging;
+        light.merges_everywhere = !plan_.first_vertex_only;
+        if (plan_.merging) {
+            const MergeRadius first = fixed_radius_ > 0.0f
+                                          ? MergeRadius::fixed(fixed_radius_)
+                                          : MergeRadius::footprints(context.world.camera, radius_pixels_);
+            light.radius = first * static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(context.pass) + 1)));
+        }
+        light.rules = plan_.rules;
+        light.rules.light_paths = static_cast<double>(light.paths);
+        return light;
+    }
+
+    BidirectionalPlan plan_;
+    int64_t light_paths_;  // 0: one per pixel
+    float radius_pixels_ = 1.0f;
+    float fixed_radius_ = 0.0f;  // [m], 0: from the footprint
+    int wavelength_sets_ = 0;
+};
+
+void warn_of_emitting_media(const World& world)
+{
+    if (world.has_emitting_media)
+        log_warning("the light of emitting media is found by eye paths alone: no light paths start in them");
+}
+
+std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& settings)
+{
+    warn_of_emitting_media(world);
+    return std::make_unique<Bidirectional>(plan_of("bdpt", settings), settings);
+}
+
+std::unique_ptr<Integrator> create_vcm(const World& world, const Settings& settings)
+{
+    warn_of_emitting_media(world);
+    return std::make_unique<Bidirectional>(plan_of(settings.word("techniques"), settings), settings);
+}
+
+}  // namespace
+
+extern const IntegratorEntry bdpt_entry{
+    "bdpt",        "bidirectional path tracing: unbiased; all ways to join an eye and a light path",
+    bdpt_settings, true,
+    false,         create_bdpt};
+
+extern const IntegratorEntry vcm_entry{
+    "vcm",        "vertex connection and merging: bdpt and photon mapping in one; the most robust",
+    vcm_settings, true,
+    true,         create_vcm};
+
+}  // namespace dapple

@@ -1,0 +1,267 @@
+#include "dapple/integrators/bidirectional_path.h"
+
+#include "dapple/cameras/raster_copies.h"
+
+namespace dapple {
+namespace {
+
+void count(PathEvents& events, const Vertex& vertex)
+{
+    vertex.on_surface ? events.add_surface(false) : events.add_medium();
+}
+
+// Whether the technique that joins a light vertex to the one before it takes part.
+template <class LightEnd>
+bool joins_before(const MisRules& rules, const LightEnd& light)
+{
+    return light.depth == 1 ? rules.direct : rules.inner;
+}
+
+}  // namespace
+
+void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
+                      const LightSubpaths& subpaths, int64_t path)
+{
+    const MisRules& rules = plan.rules;
+    const World& world = context.world;
+    const Sensor& sensor = film.settings().sensor;
+    const Vec2 filter_radius = film.settings().filter.radius();
+    const float margin = std::max(filter_radius.x, filter_radius.y);
+    const float scale = 1.0f / static_cast<float>(subpaths.paths());
+    const PathStart start = subpaths.start(path);
+    RandomStream random(context.seed, hash_words(static_cast<uint64_t>(StreamPurpose::splat), uint64_t(context.pass)),
+                        static_cast<uint32_t>(path));
+    for (const LightVertex& light : subpaths.vertices(path)) {
+        if (light.depth > plan.max_depth) return;
+        const Vertex& vertex = light.vertex;
+        SeenByCamera seen;
+        if (!connect_to_camera(world, {light.throughput, light.path_pdf, start}, vertex, margin, random, seen))
+            continue;
+        const double to_here =
+            double(seen.camera.importance) * geometric_cosine(vertex, seen.camera.wi) / rules.light_paths;
+        const double back = reverse_pdf(vertex, seen.camera.wi, TransportMode::importance);
+        const double others =
+            side_sum(rules, light.weights, to_here, back, subpaths.eta(vertex), joins_before(rules, light));
+        const float weight = static_cast<float>(1.0 / (1.0 + others));
+        PathEvents events = light.events;
+        count(events, vertex);
+        const Vec3 rgb = sensor.to_rgb(seen.contribution * (scale * weight), start.wavelengths);
+        for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin))
+            film.splat(raster, rgb, classify({}, events), light.light_group);
+    }
+}
+
+BidirectionalEyePath::BidirectionalEyePath(const BidirectionalPlan& plan, const World& world,
+                                           const LightSubpaths& subpaths, EyeSample& sample)
+    : plan_(plan),
+      rules_(plan.rules),
+      world_(world),
+      subpaths_(subpaths),
+      sample_(sample),
+      path_(subpaths.path_of(sample.pixel)),
+      start_(subpaths.start(path_))
+{
+}
+
+void BidirectionalEyePath::trace()
+{
+    eye_ = start_at_camera(world_, sample_.raster, start_, sample_.random);
+    eye_.keep_reverse_density();
+    GuideRecorder guides(world_, sample_);
+    while (const Vertex* vertex = eye_.next(world_, sample_.random)) {
+        if (plan_.first_vertex_only && eye_.events().diffuse > 0) return;
+        guides.see(*vertex);
+        if (!eye_.medium_emission().is_black()) sample_.add(eye_.medium_emission(), PathClass::volume, LightGroup(0u));
+        if (!arrive()) return;
+        add_emission();
+        if (eye_.depth() > plan_.max_depth) return;
+        if (!vertex->is_delta()) {
+            if (rules_.direct) join_light();
+            if (rules_.inner)
+                for (const LightVertex& light : subpaths_.vertices(path_)) join(light);
+            if (plan_.merging) merge();
+        }
+        if (plan_.first_vertex_only && !vertex->has_delta_lobe()) return;
+        if (eye_.depth() > 1 && !eye_.survive_roulette(sample_.random)) return;
+    }
+    if (!eye_.medium_emission().is_black()) sample_.add(eye_.medium_emission(), PathClass::volume, LightGroup(0u));
+    if (eye_.escaped() && !(plan_.first_vertex_only && eye_.events().diffuse > 0)) add_environment();
+}
+
+PathEvents BidirectionalEyePath::events_at_vertex() const
+{
+    PathEvents events = eye_.events();
+    count(events, eye_.vertex());
+    return events;
+}
+
+SubpathStep BidirectionalEyePath::step(int depth_before) const
+{
+    return {eye_.pdf_direction(), eye_.pdf_reverse(), eye_.cosine_out(), eta_,
+            depth_before == 1 ? rules_.camera : rules_.inner};
+}
+
+// Updates the weights for the vertex just met.
+bool BidirectionalEyePath::arrive()
+{
+    const Vertex& vertex = eye_.vertex();
+    const float cosine_in = geometric_cosine(vertex, vertex.wo);
+    if (!(cosine_in > 0.0f)) return false;
+    if (eye_.depth() == 1)
+        weights_ = first_eye_weights(
+            rules_, importance_at(world_.camera, vertex.at.position, vertex.distance, start_.time), cosine_in);
+    else
+        weights_ = advance(rules_, weights_, step(eye_.depth() - 1), sqr(double(vertex.distance)), cosine_in);
+    eta_ = vertex.is_delta() ? 0.0 : subpaths_.eta(vertex);
+    return true;
+}
+
+// s = 0. direct: density of light sampling, emission: of a light path that starts along the last ray reversed; both
+// per area of the light where it has one.
+float BidirectionalEyePath::met_weight(const SubpathWeights& weights, double direct, double emission) const
+{
+    if (!rules_.emission) return 1.0f;
+    const double others = (rules_.direct ? rules_.m(direct) * weights.d_vcm : 0.0) + rules_.m(emission) * weights.d_vc;
+    return static_cast<float>(1.0 / (1.0 + others));
+}
+
+void BidirectionalEyePath::add_emission()
+{
+    const Vertex& vertex = eye_.vertex();
+    const LightId id = vertex.emitter;
+    if (!id.valid()) return;
+    const Spectrum radiance = met_emission(world_, eye_, false);
+    if (radiance.is_black()) return;
+    float weight = 1.0f;
+    if (eye_.depth() > 1) {
+        const Vec3& n = vertex.at.n_geometric;
+        const EmissionDensity emission =
+            emission_density(world_.lights, id, start_.time, vertex.at.position, n, vertex.wo);
+        const double direct =
+            direct_pdf_area(world_.lights, id, eye_.previous_position(), -vertex.wo, vertex.at.position, n) *
+            double(abs_dot(n, vertex.wo)) / sqr(double(vertex.distance));
+        const double probability = world_.light_probability(id);
+        weight =
+            met_weight(weights_, probability * direct, probability * emission.position * double(emission.direction));
+    }
+    sample_.add(radiance * weight, classify(eye_.events(), {}), world_.lights.list[id.value].group);
+}
+
+void BidirectionalEyePath::add_environment()
+{
+    const SubpathWeights weights =
+        eye_.depth() > 0 ? advance(rules_, weights_, step(eye_.depth()), 1.0, 1.0) : SubpathWeights{};
+    const Vec3& towards = eye_.ray().direction;
+    for (LightId id : world_.environments) {
+        const double probability = world_.light_probability(id);
+        const EmissionDensity emission =
+            emission_density(world_.lights, id, start_.time, Vec3(0.0f), Vec3(0.0f), -towards);
+        const double direct = direct_pdf_environment(world_.lights, id, towards);
+        const float weight =
+            met_weight(weights, probability * direct, probability * emission.position * double(emission.direction));
+        sample_.add(met_environment(world_, eye_, id, false) * weight, classify(eye_.events(), {}),
+                    world_.lights.list[id.value].group);
+    }
+}
+
+bool BidirectionalEyePath::joins_before() const { return eye_.depth() == 1 ? rules_.camera : rules_.inner; }
+
+// s = 1.
+void BidirectionalEyePath::join_light()
+{
+    const Vertex& vertex = eye_.vertex();
+    LightConnection c;
+    if (!connect_to_light(world_, eye_.carried(), vertex, sample_.random, c)) return;
+    const float density = c.density(eye_.path_pdf()).average();
+    if (!(density > 0.0f)) return;
+    const Light& light = world_.lights.list[c.light.value];
+    const DirectSample& sample = c.sample;
+    float direct_pdf = sample.pdf, cosine_light = 1.0f;
+    if (light.kind == Light::Kind::area) {
+        cosine_light = abs_dot(sample.normal, sample.wi);
+        if (sample.delta)  // cannot be met, and yet is sampled by its shape
+            direct_pdf =
+                direct_pdf_area(world_.lights, c.light, vertex.at.position, sample.wi, sample.position, sample.normal);
+    }
+    const EmissionDensity emission =
+        emission_density(world_.lights, c.light, start_.time, sample.position, sample.normal, -sample.wi);
+    const double to_here = emission_over_direct(light, emission, direct_pdf, cosine_light,
+                                                geometric_cosine(vertex, sample.wi), sqr(sample.distance));
+    const double back = reverse_pdf(vertex, sample.wi, TransportMode::radiance);
+    const double met =
+        rules_.emission && can_be_met(light) ? rules_.m(c.scattering.pdf / (double(c.probability) * direct_pdf)) : 0.0;
+    const double others = met + side_sum(rules_, weights_, to_here, back, eta_, joins_before());
+    sample_.add(c.value * static_cast<float>(1.0 / (density * (1.0 + others))), classify(events_at_vertex(), {}),
+                light.group);
+}
+
+// s, t >= 2.
+void BidirectionalEyePath::join(const LightVertex& light)
+{
+    if (eye_.depth() + light.depth > plan_.max_depth) return;
+    const Vertex &z = eye_.vertex(), &y = light.vertex;
+    const Vec3 towards = y.at.position - z.at.position;
+    const float distance2 = length_squared(towards);
+    if (!(distance2 > 0.0f)) return;
+    const Vec3 w = towards * (1.0f / std::sqrt(distance2));
+    const Scattering at_eye = evaluate_scattering(z, w, TransportMode::radiance);
+    if (at_eye.value.is_black()) return;
+    const Scattering at_light = evaluate_scattering(y, -w, TransportMode::importance);
+    const Carried carried = eye_.carried();
+    const Spectrum value = carried.throughput * at_eye.value * at_light.value * light.throughput * (1.0f / distance2);
+    if (value.is_black()) return;
+    const double to_light = double(at_eye.pdf) * geometric_cosine(y, w) / distance2;
+    const double to_eye = double(at_light.pdf) * geometric_cosine(z, w) / distance2;
+    const double others =
+        side_sum(rules_, light.weights, to_light, reverse_pdf(y, -w, TransportMode::importance), subpaths_.eta(y),
+                 dapple::joins_before(rules_, light)) +
+        side_sum(rules_, weights_, to_eye, reverse_pdf(z, w, TransportMode::radiance), eta_, joins_before());
+    const Transmittance through = between(world_, z, y, start_, sample_.random);
+    if (through.blocked()) return;
+    const float density = (carried.path_pdf * light.path_pdf * through.light_pdf).average();
+    if (!(density > 0.0f)) return;
+    PathEvents light_events = light.events;
+    count(light_events, y);
+    sample_.add(value * through.value * static_cast<float>(1.0 / (density * (1.0 + others))),
+                classify(events_at_vertex(), light_events), light.light_group);
+}
+
+void BidirectionalEyePath::merge()
+{
+    const Vertex& vertex = eye_.vertex();
+    if (!vertex.on_surface) return;
+    const float radius = subpaths_.radius_at(vertex.at.position);
+    if (!(radius > 0.0f)) return;
+    const double paths = static_cast<double>(subpaths_.paths_in_set(path_));
+    const double eta = pi * double(radius) * radius * paths;
+    const Carried carried = eye_.carried();
+    const PathEvents events = events_at_vertex();
+    const float scale = static_cast<float>(1.0 / (double(radius) * radius * paths));
+    int found = 0;
+    subpaths_.for_each_near(path_, vertex, radius, [&](const MergePhoton& photon, float distance2) {
+        ++found;
+        if (eye_.depth() + photon.depth - 1 > plan_.max_depth) return;
+        const Vec3& wi = photon.direction;
+        const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
+        if (f.is_black()) return;
+        // Flux per area counts geometric cosines, reflection the shading one.
+        const float cosines = abs_dot(wi, vertex.bsdf.frame.n) / std::max(geometric_cosine(vertex, wi), 1e-4f);
+        const float density = (carried.path_pdf * photon.path_pdf).average();
+        if (!(density > 0.0f)) return;
+        const double others =
+            merged_side_sum(rules_, photon.weights, pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance), eta,
+                            dapple::joins_before(rules_, photon)) +
+            merged_side_sum(rules_, weights_, pdf(vertex.bsdf, wi, vertex.wo, TransportMode::radiance), eta,
+                            joins_before());
+        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale;
+        sample_.add(carried.throughput * f * photon.throughput *
+                        (kernel * cosines * static_cast<float>(1.0 / (1.0 + others)) / density),
+                    classify(events, photon.events), photon.light_group);
+    });
+    if (sample_.sums.radius == 0.0f) {
+        sample_.sums.radius = radius;
+        sample_.sums.photon_density = static_cast<float>(found) / (pi * radius * radius);
+    }
+}
+
+}  // namespace dapple

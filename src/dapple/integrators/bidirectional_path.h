@@ -1,0 +1,57 @@
+// One eye path of bidirectional.cpp and all that it is joined to, and light vertices seen by the camera, weighed
+// against each other by subpath_weights.h.
+#pragma once
+
+#include "dapple/density/kernels.h"
+#include "dapple/integrators/light_subpaths.h"
+#include "dapple/integrators/pixel_loop.h"
+#include "dapple/transport/connect.h"
+
+namespace dapple {
+
+// What a pass of bidirectional methods does.
+struct BidirectionalPlan {
+    MisRules rules;
+    bool merging = false;
+    bool first_vertex_only = false;  // eye paths end with their first vertex that is no delta
+    int max_depth = 100;
+    KernelKind kernel = KernelKind::epanechnikov;  // of merging
+};
+
+// Adds the light vertices of one path to the film, as the camera sees them (t = 1).
+void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
+                      const LightSubpaths& subpaths, int64_t path);
+
+class BidirectionalEyePath {
+public:
+    BidirectionalEyePath(const BidirectionalPlan& plan, const World& world, const LightSubpaths& subpaths,
+                         EyeSample& sample);
+
+    // Traces it and adds all it finds to the sample.
+    void trace();
+
+private:
+    PathEvents events_at_vertex() const;
+    SubpathStep step(int depth_before) const;
+    bool joins_before() const;
+    bool arrive();
+    float met_weight(const SubpathWeights& weights, double direct, double emission) const;
+    void add_emission();
+    void add_environment();
+    void join_light();
+    void join(const LightVertex& light);
+    void merge();
+
+    const BidirectionalPlan& plan_;
+    const MisRules& rules_;
+    const World& world_;
+    const LightSubpaths& subpaths_;
+    EyeSample& sample_;
+    const int64_t path_;  // the light path it is joined to
+    const PathStart start_;
+    Walk eye_;
+    SubpathWeights weights_;  // at the current vertex
+    double eta_ = 0.0;        // of merging there
+};
+
+}  // namespace dapple

@@ -1,0 +1,210 @@
+#include "dapple/integrators/light_subpaths.h"
+
+#include "dapple/integrators/photon_maps.h"
+#include "dapple/integrators/pixel_loop.h"
+#include "dapple/transport/emission.h"
+
+#include <numeric>
+
+namespace dapple {
+
+MergeRadius MergeRadius::footprints(const Camera& camera, float count)
+{
+    MergeRadius radius;
+    radius.center_ = camera.world_from_camera.at(0.5f).point(Vec3(0.0f));
+    if (camera.kind == Camera::Kind::orthographic)
+        radius.base_ = count * pixel_footprint(camera, 1.0f);
+    else
+        radius.slope_ = count * pixel_footprint(camera, 1.0f);
+    return radius;
+}
+
+MergeRadius MergeRadius::fixed(float r)
+{
+    MergeRadius radius;
+    radius.base_ = r;
+    return radius;
+}
+
+MergeRadius MergeRadius::operator*(float factor) const
+{
+    MergeRadius radius = *this;
+    radius.base_ *= factor;
+    radius.slope_ *= factor;
+    return radius;
+}
+
+bool can_be_met(const Light& light)
+{
+    switch (light.kind) {
+        case Light::Kind::area: return light.alpha > 0.0f;
+        case Light::Kind::environment:
+        case Light::Kind::environment_image: return true;
+        default: return false;
+    }
+}
+
+double emission_over_direct(const Light& light, const EmissionDensity& emission, float direct_pdf, float cosine_light,
+                            float cosine_in, float distance2)
+{
+    const double leaving = double(emission.position) * emission.direction * cosine_in;
+    switch (light.kind) {
+        case Light::Kind::area: return leaving / (double(direct_pdf) * cosine_light);
+        case Light::Kind::environment:
+        case Light::Kind::environment_image:
+        case Light::Kind::distant: return leaving / direct_pdf;
+        default: return leaving / distance2;
+    }
+}
+
+namespace {
+
+// The weights at the first vertex of a light path.
+SubpathWeights departure_weights(const World& world, const MisRules& rules, const Departure& departure,
+                                 const Walk& walk)
+{
+    const Vertex& vertex = walk.vertex();
+    const EmissionSample& sample = departure.sample;
+    const Light& light = world.lights.list[departure.light.value];
+    const Vec3& to_light = vertex.wo;
+    const float cosine_in = geometric_cosine(vertex, to_light);
+    float cosine_light = 1.0f, direct_pdf = 1.0f;
+    if (light.kind == Light::Kind::area) {
+        cosine_light = abs_dot(sample.normal, to_light);
+        direct_pdf = direct_pdf_area(world.lights, departure.light, vertex.at.position, to_light, sample.ray.origin,
+                                     sample.normal);
+    } else if (can_be_met(light)) {
+        direct_pdf = direct_pdf_environment(world.lights, departure.light, to_light);
+    }
+    const EmissionDensity emission{sample.pdf_position, sample.pdf_direction};
+    const double direct_over_emission =
+        direct_pdf > 0.0f
+            ? 1.0 / emission_over_direct(light, emission, direct_pdf, cosine_light, cosine_in, sqr(vertex.distance))
+            : 0.0;
+    const double leaving = double(departure.probability) * sample.pdf_position * sample.pdf_direction * cosine_in;
+    return first_light_weights(rules, direct_over_emission, cosine_light / leaving, can_be_met(light));
+}
+
+}  // namespace
+
+LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution,
+                             const LightSubpathPlan& plan)
+    : plan_(plan), model_(model), resolution_(resolution), seed_(context.seed), pass_(context.pass)
+{
+    const uint64_t purpose = static_cast<uint64_t>(StreamPurpose::wavelength_set);
+    const uint32_t turn = static_cast<uint32_t>(hash_words(purpose, seed_, uint64_t(pass_)));
+    for (int set = 0; set < plan_.wavelength_sets; ++set)
+        set_starts_.push_back({wavelengths_of_set(model, seed_, pass_, set, plan_.wavelength_sets), 0.0f,
+                               static_cast<int>((turn + static_cast<uint32_t>(set)) % Spectrum::lanes)});
+
+    if (plan_.merging) {
+        maps_.resize(std::max<size_t>(set_starts_.size(), 1));
+        for (int64_t path = 0; path < plan_.paths; ++path) ++maps_[set_of(path)].paths;
+    }
+    chunks_.resize(static_cast<size_t>((plan_.paths + chunk_paths - 1) / chunk_paths));
+    parallel_for_ranges(plan_.paths, chunk_paths, [&](int64_t begin, int64_t end) {
+        if (context.cancelled()) return;
+        Chunk& chunk = chunks_[static_cast<size_t>(begin / chunk_paths)];
+        chunk.end.reserve(static_cast<size_t>(end - begin));
+        for (int64_t path = begin; path < end; ++path) {
+            trace(context, path, chunk);
+            chunk.end.push_back(static_cast<uint32_t>(chunk.vertices.size()));
+        }
+    });
+    context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
+    if (context.cancelled()) return;
+    if (plan_.merging) build_maps();
+    context.statistics.photons_stored += stored();
+}
+
+size_t LightSubpaths::set_of(int64_t path) const
+{
+    if (plan_.wavelength_sets <= 1) return 0;
+    const Int2 pixel(static_cast<int>(path % resolution_.x), static_cast<int>(path / resolution_.x));
+    return static_cast<size_t>(set_of_pixel(pixel, pass_, plan_.wavelength_sets));
+}
+
+PathStart LightSubpaths::start(int64_t path) const
+{
+    // Even in the pass: the wavelengths of a pixel are spread over the spectrum.
+    RandomStream random(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), uint64_t(path), 0),
+                        pass_);
+    const Vec2 u = random.next_2d();
+    if (plan_.wavelength_sets == 0) return path_start(choose_wavelengths(model_, random.next()), u);
+    PathStart start = set_starts_[set_of(path)];
+    start.time = u.x;
+    return start;
+}
+
+double LightSubpaths::eta(const Vertex& vertex) const
+{
+    if (!plan_.merging || !plan_.merges_everywhere || !vertex.on_surface) return 0.0;
+    const double radius = plan_.radius.at(vertex.at.position);
+    // All sets have as many paths, but for one or two.
+    return pi * radius * radius * static_cast<double>(plan_.paths) / static_cast<double>(maps_.size());
+}
+
+void LightSubpaths::trace(const PassContext& context, int64_t path, Chunk& chunk) const
+{
+    const World& world = context.world;
+    RandomStream random(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), uint64_t(pass_), 1),
+                        static_cast<uint32_t>(path));
+    Walk walk;
+    Departure departure;
+    if (!emit(world, start(path), random, walk, departure)) return;
+    walk.keep_reverse_density();
+    SubpathWeights weights;
+    double eta_before = 0.0;
+    while (const Vertex* vertex = walk.next(world, random)) {
+        const float cosine_in = geometric_cosine(*vertex, vertex->wo);
+        if (!(cosine_in > 0.0f)) return;
+        if (walk.depth() == 1) {
+            weights = departure_weights(world, plan_.rules, departure, walk);
+        } else {
+            const SubpathStep step{walk.pdf_direction(), walk.pdf_reverse(), walk.cosine_out(), eta_before,
+                                   walk.depth() == 2 ? plan_.rules.direct : plan_.rules.inner};
+            weights = advance(plan_.rules, weights, step, sqr(double(vertex->distance)), cosine_in);
+        }
+        eta_before = eta(*vertex);
+        if (!vertex->is_delta()) {
+            const Carried carried = walk.carried();
+            chunk.vertices.push_back({*vertex, carried.throughput, carried.path_pdf, weights, walk.events(),
+                                      walk.light_group, static_cast<uint16_t>(walk.depth())});
+        }
+        if (walk.depth() >= plan_.max_depth || !walk.survive_roulette(random)) return;
+    }
+}
+
+void LightSubpaths::build_maps()
+{
+    std::vector<std::vector<const LightVertex*>> members(maps_.size());
+    for (int64_t path = 0; path < plan_.paths; ++path)
+        for (const LightVertex& v : vertices(path))
+            if (v.vertex.on_surface) members[set_of(path)].push_back(&v);
+    for (size_t set = 0; set < maps_.size(); ++set) {
+        Map& map = maps_[set];
+        const std::vector<const LightVertex*>& of_set = members[set];
+        std::vector<Vec3> positions(of_set.size());
+        parallel_for(static_cast<int64_t>(of_set.size()), 4096, [&](int64_t i) {
+            positions[static_cast<size_t>(i)] = of_set[static_cast<size_t>(i)]->vertex.at.position;
+        });
+        std::vector<uint32_t> order;
+        map.tree = PointTree(positions, order);
+        map.photons.resize(order.size());
+        parallel_for(static_cast<int64_t>(order.size()), 4096, [&](int64_t slot) {
+            const LightVertex& v = *of_set[order[static_cast<size_t>(slot)]];
+            map.photons[static_cast<size_t>(slot)] = {v.vertex.wo,   face_forward(v.vertex.at.n_geometric, v.vertex.wo),
+                                                      v.throughput,  v.path_pdf,
+                                                      v.weights,     v.events,
+                                                      v.light_group, v.depth};
+        });
+    }
+}
+
+uint64_t LightSubpaths::stored() const
+{
+    return std::accumulate(chunks_.begin(), chunks_.end(), uint64_t(0),
+                           [](uint64_t sum, const Chunk& chunk) { return sum + chunk.vertices.size(); });
+}
+
+}  // namespace dapple
