@@ -67,10 +67,6 @@ scene::InfiniteLight read_infinite(PbrtParameters& parameters, scene::ColorSpace
     if (!infinite.portal.empty() && infinite.portal.size() != 4)
         throw UserError(parameters.where("portal"),
                         fmt::format("parameter 'portal' takes 4 points, got {}", infinite.portal.size()));
-    if (!infinite.portal.empty())
-        parameters.context().warn(
-            parameters.where("portal"),
-            "parameter 'portal' of light 'infinite' is not supported: light comes from everywhere");
     return infinite;
 }
 

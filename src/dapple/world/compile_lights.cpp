@@ -102,8 +102,10 @@ struct Fill {
             });
         }
         if (!light.portal.empty())
-            log_warning("{}: the portal of the infinite light is not used; it only guides sampling",
-                        source.at.to_string());
+            log_warning(
+                "{}: parameter 'portal' of light 'infinite' is not used: light comes in through every opening, "
+                "where pbrt lets it in through the portal alone",
+                source.at.to_string());
         scale_to_illuminance(light.illuminance);
     }
     void operator()(const scene::GoniometricLight& light) const

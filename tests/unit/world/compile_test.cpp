@@ -1,6 +1,10 @@
 // What compiling makes of the scene's corner cases.
 #include "../transport/small_scene.h"
 
+#include "dapple/base/log.h"
+
+#include <algorithm>
+
 namespace dapple {
 namespace {
 
@@ -58,6 +62,24 @@ TEST(Compile, PlacesTheTangentsOfMeshes)
     // A moving shape is placed by an instance.
     shape.world_from_object.end = translation(Vec3(4, 0, 0)) * turned;
     EXPECT_LT(length(tangent(Vec3(0.2f, 0.3f, 1)) - expected), 1e-5f);
+}
+
+TEST(Compile, SaysThatPortalsAreNotUsed)
+{
+    SmallScene scene;
+    scene::InfiniteLight sky{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}};
+    sky.portal = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    scene.light(sky).at.line = 77;
+    const auto world = scene.world();
+    ASSERT_EQ(world->environments.size(), 1u);
+    const std::vector<std::string> warnings = logged_warnings();
+    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+        return warning.find("77") != warning.npos && warning.find("'portal'") != warning.npos;
+    }));
+    // The sky is seen whole, from any place.
+    EXPECT_FALSE(
+        emitted_environment(world->lights, world->spectra, world->environments[0], Vec3(0, 0, -1), Wavelengths::rgb())
+            .is_black());
 }
 
 // Without jitter the shutter is open for a moment only.
