@@ -1,0 +1,229 @@
+// Photon splatting: the eye's visible points of a pass are stored and indexed, then photons are traced and each is
+// added, through the kernel, to the visible points whose disc it falls into. Lavignotte and Paulin 2003, "Scalable
+// photon splatting for global illumination" (there in image space); with the radii of progressive photon mapping.
+// The dual of sppm: the same visible points and the same photons in the same estimate (visible_points.h), with the
+// loops exchanged. What differs is memory: photons are never stored, so any number of them takes no more, but visible
+// points are (sizeof(VisiblePoint) = 272 bytes each, one or little more per pixel). And a photon adds to the film
+// itself, whose exact sums are the same in any order.
+// The index: visible points are sorted by the power of two of their radius, and each such level has a hash grid (times
+// wavelength sets). Bias, rate of error and speed: as sppm.
+#include "dapple/integrators/registry.h"
+#include "dapple/integrators/visible_points.h"
+#include "dapple/photons/hash_grid.h"
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <mutex>
+
+namespace dapple {
+namespace {
+
+constexpr SettingInfo settings_table[] = {
+    visible_point_setting::photons, visible_point_setting::radius, visible_point_setting::fixed_radius,
+    visible_point_setting::alpha,   photon_setting::kernel,        visible_point_setting::wavelength_sets,
+    photon_setting::max_depth,
+};
+
+// Where an eye path asks for photons, with all that a photon's contribution needs.
+struct VisiblePoint {
+    Vec3 position;
+    float radius;  // [m]
+    Vec3 wo;
+    Int2 pixel;
+    Spectrum throughput;  // of the eye path, pixel filter included
+    Bsdf bsdf;
+    PathEvents events;  // of the eye path before this vertex
+    bool first;         // of its eye path: the layer of photon density shows it
+    uint32_t photons;   // that fell into its disc
+};
+
+// Visible points of similar radius. Points are counted in the order of the level's list.
+struct Level {
+    std::vector<VisiblePoint*> points;
+    HashGrid grid;
+};
+
+// The visible points of a wavelength set in a pass.
+class VisiblePoints {
+public:
+    explicit VisiblePoints(int rows) : rows_(static_cast<size_t>(rows)) {}
+
+    // Thread-safe; `row` spreads the threads. A point without a proper radius finds no photons and is left out.
+    void add(int row, const VisiblePoint& point)
+    {
+        if (!(point.radius > 0.0f && point.radius < 1e18f)) return;
+        Row& to = rows_[static_cast<size_t>(row)];
+        const std::lock_guard lock(to.mutex);
+        to.points.push_back(point);
+    }
+
+    // Call once, after all points were added.
+    void index()
+    {
+        std::map<int, Level> by_exponent;
+        int largest = -1000;
+        for (Row& row : rows_)
+            for (VisiblePoint& point : row.points) largest = std::max(largest, std::ilogb(point.radius));
+        // Points of far smaller radii than the largest share a level: only time depends on it.
+        for (Row& row : rows_)
+            for (VisiblePoint& point : row.points)
+                by_exponent[std::max(std::ilogb(point.radius), largest - most_levels + 1)].points.push_back(&point);
+        for (auto& [exponent, level] : by_exponent) {
+            std::vector<Vec3> positions;
+            positions.reserve(level.points.size());
+            for (const VisiblePoint* point : level.points) positions.push_back(point->position);
+            level.grid = HashGrid(positions, std::ldexp(1.0f, exponent + 1));
+            levels_.push_back(std::move(level));
+        }
+    }
+
+    // Calls visit(point, distance^2) for each point whose disc holds the photon, on its side of the surface: as
+    // PhotonMap::for_each_on_surface, seen from the photon.
+    template <class Visit>
+    void for_each_around(const Photon& photon, const Visit& visit) const
+    {
+        for (const Level& level : levels_)
+            level.grid.for_each_within(photon.position, [&](uint32_t i, float distance_squared) {
+                VisiblePoint& point = *level.points[i];
+                const Vec3 normal = face_forward(point.bsdf.n_geometric, point.wo);
+                const SurfaceRegion region{point.position, normal};
+                const float height = region.inverse_flatness * dot(photon.position - point.position, normal);
+                const float squared = std::max(distance_squared, sqr(height));
+                if (!(squared < sqr(point.radius))) return;
+                const float cosine = dot(photon.normal, normal);
+                if (!((point.bsdf.transmits() ? std::fabs(cosine) : cosine) > region.min_normal_cosine)) return;
+                visit(point, squared);
+            });
+    }
+
+    template <class Visit>
+    void for_each(const Visit& visit) const
+    {
+        for (const Row& row : rows_)
+            for (const VisiblePoint& point : row.points) visit(point);
+    }
+
+private:
+    static constexpr int most_levels = 16;
+    struct Row {
+        std::mutex mutex;
+        std::vector<VisiblePoint> points;
+    };
+    std::vector<Row> rows_;
+    std::vector<Level> levels_;
+};
+
+class PhotonSplatting final : public Integrator {
+public:
+    PhotonSplatting(const World& world, const Settings& settings)
+        : settings_(world, settings, "photonsplat"), report_(settings_.describe(world))
+    {
+    }
+
+    void render_pass(const PassContext& context, Film& film) override
+    {
+        const std::vector<PassSet> sets =
+            settings_.sets_of_pass(context, film.settings().color_model, settings_.paths(film.resolution()));
+        std::vector<VisiblePoints> points;
+        const int rows = film.settings().crop_max.y - film.settings().crop_min.y;
+        for (size_t i = 0; i < sets.size(); ++i) points.emplace_back(rows);
+        see(context, film, sets, points);
+        for (size_t i = 0; i < sets.size(); ++i) {
+            if (context.cancelled()) return;
+            points[i].index();
+            splat(context, film, sets[i], points[i]);
+            note_density(film, points[i]);
+        }
+    }
+
+    std::vector<std::string> report() const override { return report_; }
+    double bias_scale(uint32_t pass) const override { return settings_.shrinkage(pass); }
+
+private:
+    // The eye paths of the pass.
+    void see(const PassContext& context, Film& film, const std::vector<PassSet>& sets,
+             std::vector<VisiblePoints>& points) const
+    {
+        const auto shrinkage = static_cast<float>(std::sqrt(settings_.shrinkage(context.pass)));
+        const auto set_of = [&](Int2 pixel) {
+            return static_cast<size_t>(set_of_pixel(pixel, context.pass, static_cast<int>(sets.size())));
+        };
+        for_each_pixel(
+            context, film, [&](Int2 pixel, RandomStream&) { return sets[set_of(pixel)].wavelengths; },
+            [&](EyeSample& sample) {
+                const size_t set = set_of(sample.pixel);
+                const auto keep = [&](const Walk& eye, float distance) {
+                    const Vertex& vertex = eye.vertex();
+                    const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
+                    const bool first = !(sample.sums.radius > 0.0f);
+                    if (first) sample.sums.radius = radius;
+                    points[set].add(sample.pixel.y - film.settings().crop_min.y,
+                                    {vertex.at.position, radius, vertex.wo, sample.pixel,
+                                     eye.arriving() * sample.filter_weight, vertex.bsdf, eye.events(), first, 0});
+                };
+                trace_visible_points(context.world, sample, sets[set].time, settings_.max_depth(), keep);
+            });
+    }
+
+    void splat(const PassContext& context, Film& film, const PassSet& set, const VisiblePoints& points) const
+    {
+        const Sensor::LaneColors colors(film.settings().sensor, set.wavelengths);
+        parallel_for_ranges(set.photons.paths, 1024, [&](int64_t begin, int64_t end) {
+            if (context.cancelled()) return;
+            std::vector<Photon> photons;
+            trace_photons(context.world, set.photons, begin, end, photons);
+            for (const Photon& photon : photons) add(film, colors, set, points, photon);
+        });
+        context.statistics.light_paths += static_cast<uint64_t>(set.photons.paths);
+    }
+
+    void add(Film& film, const Sensor::LaneColors& colors, const PassSet& set, const VisiblePoints& points,
+             const Photon& photon) const
+    {
+        const float per_path = 1.0f / static_cast<float>(set.photons.paths);
+        points.for_each_around(photon, [&](VisiblePoint& point, float distance_squared) {
+            std::atomic_ref(point.photons).fetch_add(1, std::memory_order_relaxed);
+            const float inv_radius = 1.0f / point.radius;
+            const float weight = kernel_disc(settings_.kernel(), std::sqrt(distance_squared) * inv_radius) *
+                                 (sqr(inv_radius) * per_path);
+            const Spectrum light =
+                photon_radiance(point.bsdf, point.wo, photon.direction, photon.flux,
+                                static_cast<PathClass>(photon.path_class), photon.from_delta_light, weight);
+            if (!light.is_black())
+                film.add_to_pixel(point.pixel, colors.to_rgb(point.throughput * light),
+                                  class_with_photon(point.events, photon.path_class), LightGroup(photon.light_group));
+        });
+    }
+
+    // Fills the layer of photon density, which is known only now.
+    static void note_density(Film& film, const VisiblePoints& points)
+    {
+        PixelSample sums(0);
+        points.for_each([&](const VisiblePoint& point) {
+            if (!point.first || point.photons == 0) return;
+            sums.photon_density = static_cast<float>(point.photons) * inv_pi / sqr(point.radius);
+            film.add_pixel(point.pixel, sums, 1);
+        });
+    }
+
+    VisiblePointSettings settings_;
+    std::vector<std::string> report_;
+};
+
+std::unique_ptr<Integrator> create(const World& world, const Settings& settings)
+{
+    return std::make_unique<PhotonSplatting>(world, settings);
+}
+
+}  // namespace
+
+extern const IntegratorEntry photon_splatting_entry{
+    "photonsplat",
+    "photon splatting: photons added to stored visible points, as sppm with memory independent of the photons",
+    settings_table,
+    false,
+    true,
+    create};
+
+}  // namespace dapple
