@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace dapple::cli {
 
@@ -19,7 +20,15 @@ struct Command {
     std::function<int()> run;  // returns the exit status; throws UserError for bad input
 };
 
-Command add_render(CLI::App& app, const std::string& command_line);
+// What was typed.
+struct Invocation {
+    std::string command_line;            // in one line, quoted where needed
+    std::vector<std::string> arguments;  // behind the sub-command
+};
+
+Command add_render(CLI::App& app, const Invocation& invocation);
+Command add_resume(CLI::App& app);
+Command add_merge(CLI::App& app);
 Command add_inspect(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_doctor(CLI::App& app);

@@ -21,6 +21,8 @@ constexpr const char* examples = R"(Examples:
   dapple render scene.pbrt -o out.exr -o out.png  both files at once
   dapple render scene.pbrt -o quick.png --resolution 320x240 --time 20s
   dapple render scene.pbrt -o c.exr --integrator photonmap -D photons=2M
+  dapple resume out.dapple                        goes on after a crash, a kill or Ctrl-C, to the same bits
+  dapple merge a.dapple b.dapple -o out.exr       one image of the passes of several machines
   dapple inspect scene.pbrt                       what is in it, and what is not supported
   dapple compare a.exr b.exr --diff diff.png      how much two images differ
   dapple integrators                              all algorithms and their settings
@@ -28,7 +30,8 @@ constexpr const char* examples = R"(Examples:
 
 `dapple COMMAND --help` tells more of each. Ctrl-C once: the pass is finished and the image written.)";
 
-constexpr std::array<std::string_view, 5> command_names = {"render", "inspect", "compare", "doctor", "integrators"};
+constexpr std::array<std::string_view, 7> command_names = {"render",  "resume", "merge",      "inspect",
+                                                           "compare", "doctor", "integrators"};
 
 // One line, whatever the message holds.
 int report(const std::string& message, int status)
@@ -58,14 +61,22 @@ std::string quoted(const std::string& argument)
 
 int run(int argc, char** argv)
 {
-    std::string command_line = "dapple";
-    for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
+    Invocation invocation{"dapple", {}};
+    for (int i = 1; i < argc; ++i) {
+        invocation.command_line += " " + quoted(argv[i]);
+        if (i > 1) invocation.arguments.emplace_back(argv[i]);
+    }
 
     CLI::App app("Dapple renders the light that path tracers cannot find: caustics, by photons.", "dapple");
     app.require_subcommand(1);
     app.set_version_flag("--version", version_line());
     app.footer(examples);
-    const std::array commands = {add_render(app, command_line), add_inspect(app), add_compare(app), add_doctor(app),
+    const std::array commands = {add_render(app, invocation),
+                                 add_resume(app),
+                                 add_merge(app),
+                                 add_inspect(app),
+                                 add_compare(app),
+                                 add_doctor(app),
                                  add_integrators(app)};
     try {
         app.parse(argc, argv);

@@ -1,65 +1,30 @@
-// `dapple render`: reads a scene, compiles it, runs passes until the stop rule, writes the images.
+// `dapple render`: reads a scene, compiles it, runs passes until the stop rule, writes the images. `dapple resume`
+// comes here too, with a checkpoint to begin with.
 #include "build_info.h"
-#include "commands.h"
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
+#include "dapple/render/checkpointer.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
+#include "dapple/render/live_view.h"
 #include "dapple/render/memory.h"
 #include "dapple/render/output.h"
 #include "dapple/render/progress.h"
 #include "dapple/render/render_job.h"
 #include "dapple/render/scene_defaults.h"
+#include "render_options.h"
 
 #include <fmt/format.h>
 
 #include <csignal>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace dapple::cli {
 namespace {
-
-struct Options {
-    std::string scene;
-    std::vector<std::string> outputs;
-    std::string integrator;
-    std::vector<std::string> definitions;
-    std::string time;
-    uint32_t passes = 0;
-    std::optional<uint64_t> seed;
-    int threads = 0;
-    std::string memory;
-    std::string crop;
-    std::string resolution;
-    ColorModel color_model = ColorModel::spectral;
-    std::string layers = "all";
-    bool half = false;
-    bool pbrt_coats = false;
-    float exposure = 0;
-    bool quiet = false;
-    ProgressKind progress = ProgressKind::bar;
-};
-
-constexpr const char* examples = R"(Stopping:
-  --passes N       exactly N passes (a pass is about one sample per pixel)
-  --time 5m        as many passes as fit; the clock starts with the first pass, after the scene is loaded
-  neither          the samples per pixel that the scene asks for
-  both             whichever comes first
-  Ctrl-C           finishes the pass and writes the image; a second one stops at once and still writes
-
-Files: .exr holds all layers and how the image was made; .png is sRGB, clipped, after --exposure stops;
-.pfm and .hdr are linear. A crop window writes only its pixels (an .exr knows where they belong).
-
-Examples:
-  dapple render scene.pbrt -o out.exr -o out.png --time 60s
-  dapple render scene.pbrt -o out.exr --integrator photonmap -D kernel=cone -D photons=500k
-  dapple render scene.pbrt -o eye.png --crop 0.4,0.6,0.2,0.4 --passes 256
-  dapple render scene.pbrt -o out.exr --seed 7 --threads 2 --quiet)";
 
 StopRequests* stop_requests = nullptr;
 
@@ -78,12 +43,14 @@ public:
         sigaction(SIGTERM, &action, &old_terminate_);
         action.sa_handler = SIG_IGN;
         sigaction(SIGPIPE, &action, &old_pipe_);
+        sigaction(SIGXFSZ, &action, &old_file_size_);  // writing fails instead, and the render is kept
     }
     ~InterruptHandler()
     {
         sigaction(SIGINT, &old_interrupt_, nullptr);
         sigaction(SIGTERM, &old_terminate_, nullptr);
         sigaction(SIGPIPE, &old_pipe_, nullptr);
+        sigaction(SIGXFSZ, &old_file_size_, nullptr);
         stop_requests = nullptr;
     }
     InterruptHandler(const InterruptHandler&) = delete;
@@ -93,25 +60,16 @@ private:
     struct sigaction old_interrupt_ = {};
     struct sigaction old_terminate_ = {};
     struct sigaction old_pipe_ = {};
+    struct sigaction old_file_size_ = {};
 };
 
-std::vector<std::pair<std::string, std::string>> split_definitions(const std::vector<std::string>& texts)
-{
-    std::vector<std::pair<std::string, std::string>> definitions;
-    for (const std::string& text : texts) {
-        const size_t equals = text.find('=');
-        if (equals == 0 || equals == std::string::npos) throw UserError("-D takes name=value, not '" + text + "'");
-        definitions.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-    }
-    return definitions;
-}
-
-StopRule stop_rule(const Options& options, const scene::Description& description)
+StopRule stop_rule(const RenderOptions& options, const scene::Description& description)
 {
     StopRule rule;
     rule.passes = options.passes;
     if (!options.time.empty()) rule.seconds = parse_duration("--time", options.time);
-    if (rule.passes == 0 && rule.seconds == 0)
+    rule.error = options.error;
+    if (rule.passes == 0 && rule.seconds == 0 && rule.error == 0)
         rule.passes = static_cast<uint32_t>(std::max(1, description.sampler.pixel_samples));
     return rule;
 }
@@ -125,54 +83,58 @@ void report_accidents(const Film& film)
                     eye + splats, eye, splats);
 }
 
-int render(const Options& options, const std::string& command_line)
+// What can be wrong without the scene is said before it is read.
+void check_options(const RenderOptions& options, const RenderStart& start)
 {
-    // What can be wrong without the scene is said before it is read.
-    const auto definitions = split_definitions(options.definitions);
-    const LayerChoice layers = LayerChoice::parse(options.layers);
-    if (!options.integrator.empty()) choose_integrator({}, options.integrator, definitions);
+    LayerChoice::parse(options.layers);
+    if (!options.integrator.empty()) choose_integrator({}, options.integrator, split_definitions(options.definitions));
     if (!options.time.empty()) parse_duration("--time", options.time);
-    const uint64_t memory_limit = options.memory.empty() ? 0 : parse_size("--memory", options.memory);
+    if (!options.memory.empty()) parse_size("--memory", options.memory);
+    if (!options.checkpoint_every.empty()) parse_duration("--checkpoint-every", options.checkpoint_every);
     check_output_paths(options.outputs);
-    if (options.quiet) set_log_level(LogLevel::silent);
-    set_thread_count(options.threads);
+    if (options.checkpoint.empty() || options.checkpoint == "none" || !start.checkpoint.empty()) return;
+    check_output_folder(options.checkpoint);
+    if (std::filesystem::exists(options.checkpoint))
+        throw UserError(
+            fmt::format("'{0}' is there already: 'dapple resume {0}' goes on with it; remove it to begin anew",
+                        options.checkpoint));
+}
 
+scene::Description read_changed_scene(const RenderOptions& options)
+{
     scene::Description description = read_scene(options.scene);
     for (const std::string& warning : description.warnings) log_warning("{}", warning);
     if (!options.resolution.empty()) set_resolution(description.film, options.resolution);
     description.options.pbrt_coat_weights = options.pbrt_coats;
     if (!options.crop.empty()) set_crop(description.film, options.crop);
-    IntegratorChoice choice = choose_integrator(description.integrator, options.integrator, definitions);
-    for (const std::string& note : choice.notes) log_warning("{}", note);
+    return description;
+}
 
-    std::vector<std::string> outputs = options.outputs;
-    if (outputs.empty()) {
-        outputs = {std::filesystem::path(description.film.filename).stem().string() + ".exr"};
-        check_output_paths(outputs);
+// Where checkpoints go; none if the path is empty.
+CheckpointPlan checkpoint_plan(const RenderOptions& options, const RenderStart& start, const std::string& first_output)
+{
+    constexpr double automatic_seconds = 300;
+    CheckpointPlan plan;
+    if (options.checkpoint == "none") return plan;
+    plan.path = start.checkpoint.empty() ? options.checkpoint : start.checkpoint;
+    plan.automatic = start.checkpoint.empty() ? options.checkpoint.empty() : start.header.automatic;
+    if (plan.automatic) plan.first = plan.every = automatic_seconds;
+    if (!options.checkpoint_every.empty())
+        plan.first = plan.every = parse_duration("--checkpoint-every", options.checkpoint_every);
+    // An earlier render's is not lost.
+    for (int number = 1; plan.path.empty() || (start.checkpoint.empty() && std::filesystem::exists(plan.path));
+         ++number) {
+        const std::string ending = number == 1 ? ".dapple" : fmt::format("-{}.dapple", number);
+        plan.path = std::filesystem::path(first_output).replace_extension().string() + ending;
     }
-    const StopRule stop = stop_rule(options, description);
-    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
-    const uint64_t seed = options.seed.value_or(static_cast<uint64_t>(scene_seed));
+    return plan;
+}
 
-    CompileReport compiled;
-    const std::unique_ptr<World> world = compile(description, &compiled);
-    const FilmSettings settings =
-        film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
-    check_memory(memory_limit, compiled, settings, choice);
-    if (world->has_scattering_media && !choice.entry->media)
-        log_warning(
-            "integrator '{}' does not handle scattering media, and this scene has some: their light is missing; "
-            "'path' and 'lightpath' have it",
-            choice.entry->name);
-    Film film(settings);
-    const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
-    const std::unique_ptr<Progress> progress = make_progress(options.quiet ? ProgressKind::none : options.progress);
-
-    StopRequests requests;
-    const InterruptHandler handler(requests);
-    const RenderResult result =
-        run(RenderJob{*world, *integrator, film, std::string(choice.entry->name), seed, stop}, requests, *progress);
-    report_accidents(film);
+// Writes images and states, and says what is missing in them. Returns the exit status.
+int write_results(const RenderOptions& options, const CheckpointHeader& identity, const Film& film,
+                  RenderResult& result, std::vector<std::string> outputs, Checkpointer* checkpointer,
+                  const StopRequests& requests, Progress& progress)
+{
     if (result.incomplete)
         log_warning("no pass was completed: the image is a part of the first one, black where it was not reached");
     if (result.passes_lost > 0)
@@ -180,56 +142,144 @@ int render(const Options& options, const std::string& command_line)
                     result.passes_lost);
     if (result.failed) log_warning("{}", result.reason);
 
-    RenderRecord record{std::string(build_info::version),
-                        command_line,
-                        options.scene,
-                        std::string(choice.entry->name),
-                        integrator->report(),
-                        seed,
-                        thread_count()};
-    OutputOptions output{
-        outputs,           options.half,        options.exposure,
-        settings.crop_min, settings.resolution, {".", std::filesystem::temp_directory_path().string()}};
-    const bool written = write_outputs(result, record, output, *progress);
-    return written && !result.failed ? 0 : exit_failure;
+    bool good = !result.failed;
+    if (!result.film_whole)
+        std::erase_if(outputs, [&](const std::string& path) {
+            if (!is_state_path(path)) return false;
+            log_warning("'{}' is not written: the last pass was given up", path);
+            good = false;
+            return true;
+        });
+    if (checkpointer && !checkpointer->finish(film, result) && !checkpointer->automatic()) {
+        log_warning("the checkpoint '{}' does not hold the last passes", checkpointer->path());
+        good = false;
+    }
+    if (checkpointer && checkpointer->written() && (result.by_request || result.failed))
+        progress.note(fmt::format("dapple resume {} goes on", checkpointer->path()));
+
+    OutputOptions output;
+    output.paths = std::move(outputs);
+    output.half = options.half;
+    output.exposure = options.exposure;
+    output.crop_min = identity.film.crop_min;
+    output.full_size = identity.film.resolution;
+    output.rescue_folders = {".", std::filesystem::temp_directory_path().string()};
+    output.requests = &requests;
+    output.write_state = [&](const std::string& path) {
+        CheckpointHeader header = identity;
+        set_progress(header, film, {result.seconds, result.eye_paths, result.light_paths, result.photons, result.rays});
+        write_checkpoint(path, header, film);
+    };
+    return write_outputs(result, identity.record, output, progress) && good ? 0 : exit_failure;
+}
+
+// Puts the passes of the checkpoint into the film; refuses when they are of another render.
+void load_checkpoint(const RenderStart& start, const CheckpointHeader& identity, Film& film)
+{
+    if (start.checkpoint.empty()) return;
+    if (const std::string reason = difference(start.header, identity); !reason.empty())
+        throw UserError(fmt::format("'{}' cannot be continued: {}", start.checkpoint, reason));
+    read_checkpoint_film(start.checkpoint, film);
 }
 
 }  // namespace
 
-Command add_render(CLI::App& app, const std::string& command_line)
+int render(const RenderOptions& options, const RenderStart& start)
 {
-    const auto options = std::make_shared<Options>();
+    check_options(options, start);
+    if (options.quiet) set_log_level(LogLevel::silent);
+    set_thread_count(options.threads);
+    const bool resumed = !start.checkpoint.empty();
+
+    scene::Description description = read_changed_scene(options);
+    IntegratorChoice choice =
+        resumed ? choose_integrator({}, start.header.record.integrator, start.header.settings)
+                : choose_integrator(description.integrator, options.integrator, split_definitions(options.definitions));
+    for (const std::string& note : choice.notes) log_warning("{}", note);
+
+    std::vector<std::string> outputs = options.outputs;
+    if (outputs.empty()) {
+        outputs = {
+            (std::filesystem::path(start.folder) / std::filesystem::path(description.film.filename).stem()).string() +
+            ".exr"};
+        check_output_paths(outputs);
+    }
+    const StopRule stop = stop_rule(options, description);
+    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
+
+    CheckpointHeader identity;
+    identity.files = hash_files(description.files);
+    identity.pbrt_coats = options.pbrt_coats;
+    identity.arguments = start.arguments;
+    identity.folder = start.folder;
+
+    CompileReport compiled;
+    const std::unique_ptr<World> world = compile(description, &compiled);
+    LayerChoice layers = LayerChoice::parse(options.layers);
+    layers.error = layers.error || options.error > 0;
+    FilmSettings settings =
+        film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
+    settings.first_pass = options.first_pass;
+    check_memory(options.memory.empty() ? 0 : parse_size("--memory", options.memory), compiled, settings, choice);
+    if (world->has_scattering_media && !choice.entry->media)
+        log_warning(
+            "integrator '{}' does not handle scattering media, and this scene has some: their light is missing; "
+            "'path' and 'lightpath' have it",
+            choice.entry->name);
+    const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
+    describe_passes(settings, *integrator);
+    Film film(settings);
+
+    identity.settings.assign(choice.settings.values().begin(), choice.settings.values().end());
+    identity.film = settings;
+    identity.record = {fmt::format("{} ({})", build_info::version, build_info::commit),
+                       start.command_line,
+                       options.scene,
+                       std::string(choice.entry->name),
+                       integrator->report(),
+                       options.seed.value_or(static_cast<uint64_t>(scene_seed)),
+                       thread_count()};
+    load_checkpoint(start, identity, film);
+
+    const std::unique_ptr<Progress> progress = make_progress(options.quiet ? ProgressKind::none : options.progress);
+    StopRequests requests;
+    const InterruptHandler handler(requests);
+    RenderJob job{*world, *integrator, film, identity.record.integrator, identity.record.seed, stop};
+    job.before = start.header.counters;
+
+    const CheckpointPlan plan = checkpoint_plan(options, start, outputs.front());
+    std::optional<Checkpointer> checkpointer;
+    if (!plan.path.empty()) {
+        checkpointer.emplace(plan, identity);
+        job.observers.push_back(&*checkpointer);
+    }
+    job.keep_film_whole =
+        (checkpointer && !plan.automatic) || std::any_of(outputs.begin(), outputs.end(), is_state_path);
+    std::optional<LiveView> view;
+    if (!options.display_server.empty()) {
+        view.emplace(options.display_server, "dapple " + std::filesystem::path(outputs.front()).stem().string());
+        job.observers.push_back(&*view);
+    }
+
+    RenderResult result = run(job, requests, *progress);
+    report_accidents(film);
+    if (view && result.film_whole) view->finish(film);
+    return write_results(options, identity, film, result, outputs, checkpointer ? &*checkpointer : nullptr, requests,
+                         *progress);
+}
+
+Command add_render(CLI::App& app, const Invocation& invocation)
+{
+    const auto options = std::make_shared<RenderOptions>();
     CLI::App* parser = app.add_subcommand("render", "render a scene to image files");
-    parser->footer(examples);
-    Options& o = *options;
-    parser->add_option("scene", o.scene, "a pbrt-v4 scene file")->required();
-    parser->add_option("-o,--output", o.outputs, "image file (.exr, .png, .pfm, .hdr); may be repeated")
-        ->allow_extra_args(false);
-    parser->add_option("-i,--integrator", o.integrator, "algorithm (dapple integrators lists them)");
-    parser->add_option("-D", o.definitions, "a setting of the algorithm, name=value; may be repeated")
-        ->allow_extra_args(false);
-    parser->add_option("-t,--time", o.time, "render time, such as 60s, 5m, 1h30m");
-    parser->add_option("-p,--passes,--spp", o.passes, "number of passes")->check(CLI::Range(1u, 1u << 30));
-    parser->add_option("--seed", o.seed, "another seed gives other noise; the same seed the same bits");
-    parser->add_option("--threads", o.threads, "threads (default: all cores); the image does not depend on it")
-        ->check(CLI::Range(1, 4096));
-    parser->add_option("--memory", o.memory,
-                       "ceiling, such as 8G: photon maps keep to it; a scene above it is refused");
-    parser->add_option("--crop", o.crop, "x0,x1,y0,y1: parts of the image, or pixels if any is above 1");
-    parser->add_option("--resolution", o.resolution, "WIDTHxHEIGHT instead of the scene's");
-    const std::map<std::string, ColorModel> models = {{"spectral", ColorModel::spectral}, {"rgb", ColorModel::rgb}};
-    parser->add_option("--color-model", o.color_model, "spectral (default) or rgb (no colour noise, no dispersion)")
-        ->transform(CLI::CheckedTransformer(models).description(""));
-    parser->add_option("--layers", o.layers, "all, or words of beauty,guides,classes,groups,photons");
-    parser->add_flag("--pbrt-coats", o.pbrt_coats, "rough coats as bright as pbrt-v4's (up to a few percent more)");
-    parser->add_flag("--half", o.half, "16-bit floats in .exr files");
-    parser->add_option("--exposure", o.exposure, "stops added in .png files")->check(CLI::Range(-100.0f, 100.0f));
-    parser->add_flag("-q,--quiet", o.quiet, "print errors only");
-    const std::map<std::string, ProgressKind> kinds = {
-        {"bar", ProgressKind::bar}, {"json", ProgressKind::json}, {"none", ProgressKind::none}};
-    parser->add_option("--progress", o.progress, "bar (default, stderr), json (lines on stdout) or none")
-        ->transform(CLI::CheckedTransformer(kinds).description(""));
-    return {parser, [options, command_line] { return render(*options, command_line); }};
+    add_render_options(*parser, *options);
+    return {parser, [options, invocation] {
+                RenderStart start;
+                start.command_line = invocation.command_line;
+                start.arguments = invocation.arguments;
+                start.folder = std::filesystem::current_path().string();
+                return render(*options, start);
+            }};
 }
 
 }  // namespace dapple::cli

@@ -49,13 +49,16 @@ int crop_edge(double part, int size) { return crop_pixel(size * part, size); }
 
 LayerChoice LayerChoice::parse(const std::string& text)
 {
-    static constexpr std::array<std::string_view, 6> words = {"all",     "beauty", "guides",
-                                                              "classes", "groups", "photons"};
-    LayerChoice choice{false, false, false, false};
+    static constexpr std::array<std::string_view, 7> words = {"all",    "beauty",  "guides", "classes",
+                                                              "groups", "photons", "error"};
+    LayerChoice choice{false, false, false, false, false};
     std::istringstream in(text + ",");
     for (std::string word; std::getline(in, word, ',');) {
-        if (word == "all") return {};
-        if (word == "guides")
+        if (word == "all")
+            choice.guides = choice.classes = choice.groups = choice.photons = true;
+        else if (word == "error")
+            choice.error = true;
+        else if (word == "guides")
             choice.guides = true;
         else if (word == "classes")
             choice.classes = true;
@@ -64,8 +67,8 @@ LayerChoice LayerChoice::parse(const std::string& text)
         else if (word == "photons")
             choice.photons = true;
         else if (word != "beauty")
-            throw UserError("--layers takes all, or words of beauty,guides,classes,groups,photons, not '" + word + "'" +
-                            did_you_mean(word, words));
+            throw UserError("--layers takes words of all,beauty,guides,classes,groups,photons,error, not '" + word +
+                            "'" + did_you_mean(word, words));
     }
     return choice;
 }
@@ -89,7 +92,15 @@ FilmSettings film_settings(const scene::Description& description, const World& w
     settings.guide_layers = layers.guides;
     settings.guides_in_camera_space = film.kind == scene::Film::Kind::gbuffer && film.guides_in_camera_space;
     settings.photon_layers = layers.photons && has_photon_layers;
+    settings.error_layer = layers.error;
     return settings;
+}
+
+void describe_passes(FilmSettings& settings, const Integrator& integrator)
+{
+    settings.correlated_passes = integrator.correlated_passes();
+    settings.fading_bias = integrator.bias_scale(0) > 0.0;
+    settings.bias_scale = [&integrator](uint32_t pass) { return integrator.bias_scale(pass); };
 }
 
 void set_resolution(scene::Film& film, const std::string& text)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dapple/film/film.h"
+#include "dapple/integrators/integrator.h"
 #include "dapple/scene/description.h"
 #include "dapple/world/world.h"
 
@@ -15,8 +16,10 @@ struct LayerChoice {
     bool classes = true;  // emission, direct, caustic, indirect, volume
     bool groups = true;   // each light group, where the scene names any
     bool photons = true;  // photon density and radius, where the integrator has them
+    bool error = false;   // estimated errors of the pixels
 
-    // "all", or words of "beauty,guides,classes,groups,photons"; the beauty is always there. Throws UserError.
+    // Words of "all,beauty,guides,classes,groups,photons,error"; the beauty is always there, and all is all but error,
+    // which costs memory and a little time. Throws UserError.
     static LayerChoice parse(const std::string& text);
 };
 
@@ -24,6 +27,9 @@ struct LayerChoice {
 // them. Throws UserError for an unknown sensor.
 FilmSettings film_settings(const scene::Description& description, const World& world, const LayerChoice& layers,
                            bool has_photon_layers, ColorModel color_model);
+
+// Takes over what error estimates need to know of the integrator's passes. The settings then refer to the integrator.
+void describe_passes(FilmSettings& settings, const Integrator& integrator);
 
 // Changes the resolution ("640x480"); a crop window keeps its part of the image. Throws UserError.
 void set_resolution(scene::Film& film, const std::string& text);

@@ -17,7 +17,8 @@ uint64_t film_bytes(const FilmSettings& settings)
                               3 * settings.light_groups.size() + (settings.guide_layers ? 10 : 0) +
                               (settings.photon_layers ? 2 : 0);
     const Int2 size = settings.crop_max - settings.crop_min;
-    return static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y) * channels * 16;
+    const uint64_t errors = settings.error_layer ? (settings.fading_bias ? 3 : 2) : 0;
+    return static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y) * (channels + errors) * 16;
 }
 
 uint64_t scene_bytes(const CompileReport& report)

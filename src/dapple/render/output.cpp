@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> writable_endings = {".exr", ".png", ".pfm", ".hdr"};
+constexpr std::string_view state_ending = ".dapple";
+constexpr std::array<std::string_view, 5> writable_endings = {".exr", ".png", ".pfm", ".hdr", state_ending};
 
 std::string ending_of(const std::string& path)
 {
@@ -29,38 +30,64 @@ std::string ending_of(const std::string& path)
     return ending;
 }
 
-bool try_write(const std::string& path, const RenderResult& result, const WriteOptions& options, Progress& progress)
-{
-    try {
-        write_image(path, result.image, options);
-    } catch (const UserError& error) {
-        log_warning("{}", error.what());
+// What is written, and how.
+struct Writer {
+    const RenderResult& result;
+    const OutputOptions& options;
+    WriteOptions image_options;
+    Progress& progress;
+
+    bool write(const std::string& path) const
+    {
+        try {
+            if (is_state_path(path))
+                options.write_state(path);
+            else
+                write_image(path, result.image, image_options);
+        } catch (const UserError& error) {
+            log_warning("{}", error.what());
+            return false;
+        }
+        progress.written(path);
+        return true;
+    }
+
+    // Under a name of its own in the first rescue folder that takes it. False when none does.
+    bool rescue(std::string_view ending) const
+    {
+        for (const std::string& folder : options.rescue_folders) {
+            std::string path;
+            std::error_code ignored;
+            int number = 1;
+            do {
+                path = (fs::path(folder) / ("dapple-rescue-" + std::to_string(number++))).string();
+                path += ending;
+            } while (fs::exists(path, ignored));
+            if (write(path)) {
+                log_warning("the render was saved as {}", path);
+                return true;
+            }
+        }
         return false;
     }
-    progress.written(path);
+};
+
+// Waits; false when the user does not want to.
+bool wait(double seconds, const StopRequests* requests)
+{
+    const int asked = requests ? requests->count() : 0;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while (std::chrono::steady_clock::now() < end) {
+        if (requests && requests->count() > asked) return false;
+        std::this_thread::sleep_for(
+            std::min(std::chrono::duration<double>(seconds), std::chrono::duration<double>(0.1)));
+    }
     return true;
 }
 
-// Saves all layers under a name of its own. False when no folder takes it.
-bool rescue(const RenderResult& result, WriteOptions write, const OutputOptions& options, Progress& progress)
-{
-    write.half = false;
-    for (const std::string& folder : options.rescue_folders) {
-        std::string path;
-        std::error_code ignored;
-        int number = 1;
-        do {
-            path = (fs::path(folder) / ("dapple-rescue-" + std::to_string(number++) + ".exr")).string();
-        } while (fs::exists(path, ignored));
-        if (try_write(path, result, write, progress)) {
-            log_warning("the render was saved as {}", path);
-            return true;
-        }
-    }
-    return false;
-}
-
 }  // namespace
+
+bool is_state_path(const std::string& path) { return ending_of(path) == state_ending; }
 
 ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& result)
 {
@@ -75,6 +102,7 @@ ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& res
         {"dapple:settings", settings},
         {"dapple:seed", std::to_string(record.seed)},
         {"dapple:threads", record.threads},
+        {"dapple:firstPass", static_cast<int>(result.first_pass)},
         {"dapple:passes", static_cast<int>(result.passes)},
         {"dapple:seconds", result.seconds},
         {"dapple:eyePaths", static_cast<double>(result.eye_paths)},
@@ -82,6 +110,10 @@ ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& res
         {"dapple:photons", static_cast<double>(result.photons)},
         {"dapple:end", result.reason},
     };
+    if (result.error.batches > 1) {
+        metadata.emplace_back("dapple:errorNoise", result.error.noise);
+        metadata.emplace_back("dapple:errorBias", result.error.bias);
+    }
     if (result.incomplete)
         metadata.emplace_back("dapple:incomplete",
                               "the first pass was cut short: black pixels were not reached, and "
@@ -94,17 +126,23 @@ void check_output_paths(const std::vector<std::string>& paths)
     for (const std::string& path : paths) {
         const std::string ending = ending_of(path);
         if (std::find(writable_endings.begin(), writable_endings.end(), ending) == writable_endings.end())
-            throw UserError("cannot write '" + path + "': an image file ends in .exr, .png, .pfm or .hdr" +
+            throw UserError("cannot write '" + path +
+                            "': a file ends in .exr, .png, .pfm or .hdr, or in .dapple for dapple merge" +
                             did_you_mean(ending, writable_endings));
-        fs::path folder = fs::path(path).parent_path();
-        if (folder.empty()) folder = ".";
-        std::error_code error;
-        if (!fs::is_directory(folder, error))
-            throw UserError("cannot write '" + path + "': there is no folder '" + folder.string() + "'");
-        if (fs::is_directory(path, error)) throw UserError("cannot write '" + path + "': it is a folder");
-        if (access(folder.c_str(), W_OK) != 0)
-            throw UserError("cannot write '" + path + "': folder '" + folder.string() + "' is read-only");
+        check_output_folder(path);
     }
+}
+
+void check_output_folder(const std::string& path)
+{
+    fs::path folder = fs::path(path).parent_path();
+    if (folder.empty()) folder = ".";
+    std::error_code error;
+    if (!fs::is_directory(folder, error))
+        throw UserError("cannot write '" + path + "': there is no folder '" + folder.string() + "'");
+    if (fs::is_directory(path, error)) throw UserError("cannot write '" + path + "': it is a folder");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw UserError("cannot write '" + path + "': folder '" + folder.string() + "' is read-only");
 }
 
 bool write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
@@ -119,15 +157,20 @@ bool write_outputs(const RenderResult& result, const RenderRecord& record, const
     write.full_size = options.full_size;
 
     std::vector<std::string> left = options.paths;
-    bool rescued = false;
+    Writer rescuer{result, options, write, progress};
+    rescuer.image_options.half = false;
     for (size_t attempt = 0;; ++attempt) {
-        std::erase_if(left, [&](const std::string& path) { return try_write(path, result, write, progress); });
+        const Writer writer{result, options, write, progress};
+        std::erase_if(left, [&](const std::string& path) { return writer.write(path); });
         if (left.empty()) return true;
-        rescued = rescued || rescue(result, write, options, progress);
-        if (rescued || attempt == options.retry_pauses.size()) return false;
-        const double pause = options.retry_pauses[attempt];
-        log_warning("the render is kept in memory; trying again in {:g} s", pause);
-        std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+        const bool with_state = std::any_of(left.begin(), left.end(), is_state_path);
+        if (rescuer.rescue(".exr") && (!with_state || rescuer.rescue(state_ending))) return false;
+        const std::vector<double>& pauses = options.retry_pauses;
+        if (pauses.empty() || (attempt >= pauses.size() && !options.requests)) return false;
+        const double pause = pauses[std::min(attempt, pauses.size() - 1)];
+        log_warning("the render is kept in memory; trying again in {:g} s{}", pause,
+                    options.requests ? " (Ctrl-C gives it up)" : "");
+        if (!wait(pause, options.requests)) return false;
     }
 }
 

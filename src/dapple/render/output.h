@@ -6,6 +6,7 @@
 #include "dapple/render/render_job.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct RenderRecord {
 };
 
 // The header: "dapple:version", "dapple:command", "dapple:scene", "dapple:integrator", "dapple:settings",
-// "dapple:seed", "dapple:threads", "dapple:passes", "dapple:seconds", "dapple:eyePaths", "dapple:lightPaths",
-// "dapple:photons", "dapple:end" (why the render ended) and, only where it is so, "dapple:incomplete".
+// "dapple:seed", "dapple:threads", "dapple:firstPass", "dapple:passes", "dapple:seconds", "dapple:eyePaths",
+// "dapple:lightPaths", "dapple:photons", "dapple:end" (why the render ended); where they are known "dapple:errorNoise"
+// and "dapple:errorBias" (error_sums.h); and, only where it is so, "dapple:incomplete".
 ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& result);
 
 struct OutputOptions {
@@ -36,14 +38,23 @@ struct OutputOptions {
     // Where the image goes when a path cannot be written, tried in this order.
     std::vector<std::string> rescue_folders;
     std::vector<double> retry_pauses{1, 2, 5, 10, 30};  // [s], when not even a rescue folder takes it
+    // With requests, the last pause comes again and again, until it is written or the user gives it up.
+    const StopRequests* requests = nullptr;
+    // Writes a .dapple file; throws UserError.
+    std::function<void(const std::string& path)> write_state;
 };
+
+// Whether a file of this name holds a render (checkpoint.h) instead of an image: it ends in .dapple.
+bool is_state_path(const std::string& path);
 
 // Before rendering: throws UserError for an ending that cannot be written or a folder that is missing or not writable.
 void check_output_paths(const std::vector<std::string>& paths);
+// The latter alone.
+void check_output_folder(const std::string& path);
 
 // Writes every path. A path that fails is reported (log) and, once for all of them, the image with all layers is saved
-// as dapple-rescue-N.exr in the first rescue folder that takes it; if none does, all is tried again after each pause.
-// False when a path could not be written.
+// as dapple-rescue-N.exr (and the render as dapple-rescue-N.dapple, if one was to be written) in the first rescue
+// folder that takes it; if none does, all is tried again after each pause. False when a path could not be written.
 bool write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
                    Progress& progress);
 

@@ -131,6 +131,7 @@ std::string format_progress(const ProgressState& state, int bar_width)
     if (state.eye_paths > 0) text += fmt::format(", {} eye paths", format_count(state.eye_paths));
     if (state.light_paths > 0) text += fmt::format(", {} light paths", format_count(state.light_paths));
     if (state.photons > 0) text += fmt::format(", {} photons", format_count(state.photons));
+    if (state.error >= 0) text += fmt::format(", error {:.2g} %", 100 * state.error);
     text += fmt::format(", {}", format_duration(state.elapsed));
     if (state.stopping)
         text += ", stopping after this pass";
@@ -142,12 +143,13 @@ std::string format_progress(const ProgressState& state, int bar_width)
 std::string format_progress_json(const ProgressState& state)
 {
     const auto optional = [](bool known, auto value) { return known ? fmt::format("{}", value) : std::string("null"); };
-    return fmt::format(R"({{"event": "progress", "pass": {}, "passes": {}, "eye_paths": {}, "light_paths": {}, )"
-                       R"("photons": {}, "elapsed": {:.3f}, "remaining": {}, "percent": {}, "stopping": {}}})",
-                       state.passes_done + 1, optional(state.passes_total > 0, state.passes_total), state.eye_paths,
-                       state.light_paths, state.photons, state.elapsed,
-                       optional(state.remaining >= 0, std::floor(state.remaining)), progress_percent(state.fraction),
-                       state.stopping);
+    return fmt::format(
+        R"({{"event": "progress", "pass": {}, "passes": {}, "eye_paths": {}, "light_paths": {}, )"
+        R"("photons": {}, "elapsed": {:.3f}, "remaining": {}, "percent": {}, "error": {}, "stopping": {}}})",
+        state.passes_done + 1, optional(state.passes_total > 0, state.passes_total), state.eye_paths, state.light_paths,
+        state.photons, state.elapsed, optional(state.remaining >= 0, std::floor(state.remaining)),
+        progress_percent(state.fraction), optional(state.error >= 0, fmt::format("{:.5f}", state.error)),
+        state.stopping);
 }
 
 std::string json_string(const std::string& text)

@@ -18,6 +18,7 @@ struct ProgressState {
     double elapsed = 0;     // [s] since the start of the first pass
     double remaining = -1;  // [s]; negative: unknown
     double fraction = 0;    // in [0, 1)
+    double error = -1;      // estimated error of the image, a part of its brightness; negative: unknown
     bool stopping = false;  // the running pass is the last one, because the user asked for it
 };
 

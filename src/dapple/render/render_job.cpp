@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -20,8 +22,12 @@ constexpr int ticks_per_update = 4;
 class Runner {
 public:
     Runner(const RenderJob& job, const StopRequests& requests, Progress& progress)
-        : job_(job), requests_(requests), progress_(progress)
+        : job_(job), requests_(requests), progress_(progress), done_(job.film.passes())
     {
+        statistics_.eye_paths = job.before.eye_paths;
+        statistics_.light_paths = job.before.light_paths;
+        statistics_.photons_stored = job.before.photons;
+        statistics_.rays = job.before.rays;
     }
 
     RenderResult run()
@@ -40,16 +46,22 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+    double elapsed() const
+    {
+        return job_.before.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
+    }
+
+    uint32_t next_pass() const { return job_.film.settings().first_pass + done(); }
 
     void run_passes()
     {
-        while (job_.stop.another(done(), elapsed(), times_.expected())) {
+        if (done() > 0) estimate_error();
+        while (!error_reached_ && job_.stop.another(done(), elapsed(), times_.expected())) {
             if (done() > 0 && requests_.count() > 0) break;
             copy_if_due();
             begin_pass();
             try {
-                job_.integrator.render_pass(PassContext{job_.world, job_.seed, done(), statistics_, &cancel_},
+                job_.integrator.render_pass(PassContext{job_.world, job_.seed, next_pass(), statistics_, &cancel_},
                                             job_.film);
             } catch (const std::exception& error) {
                 if (done() == 0) throw;
@@ -59,13 +71,28 @@ private:
             }
             if (cancel_.load()) return;
             end_pass();
+            estimate_error();
+            for (PassObserver* observer : job_.observers) observer->after_pass(job_.film, counters());
         }
         result_.reason = why_ended();
         whole_ = true;
     }
 
+    // Where the stop rule asks for an error and it is due. Whether it is depends on the pass alone, so a render that
+    // was interrupted ends at the same pass.
+    void estimate_error()
+    {
+        if (!job_.stop.error_due(next_pass(), done(), job_.film.settings().correlated_passes)) return;
+        const ErrorEstimate error = job_.film.error();
+        error_reached_ = error.total() <= job_.stop.error;
+        const std::lock_guard lock(mutex_);
+        error_ = error.total();
+        passes_at_error_ = done();
+    }
+
     std::string why_ended()
     {
+        if (error_reached_) return fmt::format("the estimated error is {:.3g} %", 100 * error_);
         if (requests_.count() > 0) return "stopped by request";
         if (job_.stop.passes > 0 && done() >= job_.stop.passes) return "all passes done";
         const double beyond = elapsed() + times_.expected() - job_.stop.seconds;
@@ -78,7 +105,7 @@ private:
     {
         if (done() == 0 || copied_passes_ == done()) return;
         const double now = elapsed();
-        const bool may_be_given_up = job_.stop.last_by_time(now, times_.expected());
+        const bool may_be_given_up = !job_.keep_film_whole && job_.stop.last_by_time(now, times_.expected());
         if (!may_be_given_up && now - last_copy_ < copy_cost_ / copy_share) return;
         copy_ = job_.film.layers(copy_channels_);
         copied_passes_ = done();
@@ -90,7 +117,7 @@ private:
     {
         const std::lock_guard lock(mutex_);
         pass_start_ = elapsed();
-        may_give_up_ = done() > 0 && copied_passes_ == done();
+        may_give_up_ = !job_.keep_film_whole && done() > 0 && copied_passes_ == done();
     }
 
     void end_pass()
@@ -149,18 +176,38 @@ private:
         state.remaining = job_.stop.remaining(done_, now, in_pass, times_.expected());
         state.fraction = job_.stop.fraction(done_, now, in_pass, times_.expected());
         state.stopping = requests_.count() > 0;
+        if (passes_at_error_ > 0) {
+            // The error of a mean falls with the square root of the passes.
+            state.error = error_ * std::sqrt(static_cast<double>(passes_at_error_) / std::max(done_, 1u));
+            const double ratio = error_ / job_.stop.error;
+            const double left = (ratio * ratio * passes_at_error_ - done_) * times_.expected() - in_pass;
+            if (state.remaining < 0 || left < state.remaining) {
+                state.remaining = std::max(left, 0.0);
+                state.fraction = now / (now + state.remaining + times_.expected());
+            }
+        }
         return state;
+    }
+
+    RenderCounters counters() const
+    {
+        return {elapsed(), statistics_.eye_paths.load(), statistics_.light_paths.load(),
+                statistics_.photons_stored.load(), statistics_.rays.load()};
     }
 
     // Takes the image that may be shown; see the head of render_job.h.
     void finish()
     {
         result_.seconds = elapsed();
+        result_.first_pass = job_.film.settings().first_pass;
+        result_.film_whole = whole_;
+        result_.by_request = requests_.count() > 0;
         if (whole_) {
             if (done() == 1 && job_.stop.overdue(result_.seconds))
                 progress_.note("one pass of this scene takes longer than the time limit; it was finished");
             result_.image = job_.film.layers(result_.channels);
             result_.passes = done();
+            result_.error = job_.film.error();
         } else {
             if (!result_.failed)
                 result_.reason = cause_.load() == Cause::time
@@ -197,6 +244,7 @@ private:
     const StopRequests& requests_;
     Progress& progress_;
     Statistics statistics_;
+    bool error_reached_ = false;
     RenderResult result_;
     Clock::time_point start_;
     std::atomic<bool> cancel_{false};
@@ -209,9 +257,11 @@ private:
     double last_copy_ = 0;
     double copy_cost_ = 0;
 
-    std::mutex mutex_;  // guards what the watcher reads: times_, done_, pass_start_, may_give_up_
+    std::mutex mutex_;  // guards what the watcher reads: from here on
     PassTimes times_;
-    uint32_t done_ = 0;
+    uint32_t done_;
+    uint32_t passes_at_error_ = 0;  // 0: the error is not known
+    double error_ = 0;
     double pass_start_ = 0;
     bool may_give_up_ = false;
 };

@@ -39,24 +39,46 @@ private:
     static_assert(std::atomic<int>::is_always_lock_free);
 };
 
+// What was spent on the passes of a film.
+struct RenderCounters {
+    double seconds = 0;
+    uint64_t eye_paths = 0, light_paths = 0, photons = 0, rays = 0;
+};
+
+// Told after each pass, on the thread that renders, while nobody writes to the film.
+class PassObserver {
+public:
+    virtual ~PassObserver() = default;
+    virtual void after_pass(const Film& film, const RenderCounters& counters) = 0;
+};
+
+// A film that already holds passes is continued: the job renders pass film.settings().first_pass + film.passes() next.
 struct RenderJob {
     const World& world;
     Integrator& integrator;
     Film& film;
     std::string integrator_name;
     uint64_t seed = 0;
-    StopRule stop;
+    StopRule stop;  // counts what the film holds already, and the time that went into it
+    RenderCounters before{};
+    std::vector<PassObserver*> observers{};
+    // No pass is given up for the time limit: the film stays one of whole passes, which may be continued.
+    bool keep_film_whole = false;
 };
 
 struct RenderResult {
     Image image;                        // all layers, crop window
     std::vector<std::string> channels;  // OpenEXR names of the image's channels
-    uint32_t passes = 0;                // completed passes in the image; 0 when incomplete
-    uint32_t passes_lost = 0;           // completed, but not in the image
-    double seconds = 0;                 // from the start of the first pass
-    std::string reason;                 // why the render ended, in words
-    bool incomplete = false;            // the image is that of a part of the first pass
-    bool failed = false;                // ended by an error inside of a pass
+    uint32_t first_pass = 0;
+    uint32_t passes = 0;       // completed passes in the image; 0 when incomplete
+    uint32_t passes_lost = 0;  // completed, but not in the image
+    double seconds = 0;        // from the start of the first pass
+    ErrorEstimate error;       // no batches where it was not asked for
+    std::string reason;        // why the render ended, in words
+    bool incomplete = false;   // the image is that of a part of the first pass
+    bool failed = false;       // ended by an error inside of a pass
+    bool film_whole = false;   // the film holds whole passes, and may be continued
+    bool by_request = false;   // ended by the user
     uint64_t eye_paths = 0, light_paths = 0, photons = 0, rays = 0;
 };
 

@@ -30,6 +30,13 @@ bool StopRule::another(uint32_t done, double elapsed, double expected_pass) cons
     return seconds <= 0 || elapsed + 0.5 * expected_pass < seconds;
 }
 
+bool StopRule::error_due(uint32_t next, uint32_t done, uint32_t correlated) const
+{
+    const uint32_t batches = done / correlated;
+    if (error <= 0 || next % correlated != 0 || batches < 4 || done < 8) return false;
+    return batches % std::max(batches / 16, 1u) == 0;
+}
+
 bool StopRule::last_by_time(double elapsed, double expected_pass) const
 {
     return seconds > 0 && elapsed + 1.5 * expected_pass >= seconds;

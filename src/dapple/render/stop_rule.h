@@ -24,6 +24,7 @@ private:
 struct StopRule {
     uint32_t passes = 0;  // 0: no limit
     double seconds = 0;   // render time, counted from the start of the first pass; 0: no limit
+    double error = 0;     // estimated error of the image (ErrorEstimate::total); 0: none is asked for
 
     // How far past the time limit a running pass may go before it is given up, as a part of the limit.
     static constexpr double tolerance = 0.04;
@@ -31,6 +32,11 @@ struct StopRule {
     // Whether to start another pass after `done` passes and `elapsed` seconds. There is always a first pass. Under a
     // time limit the next pass is started if the render is expected to end nearer to the limit with it than without it.
     bool another(uint32_t done, double elapsed, double expected_pass) const;
+
+    // Whether to look at the error before pass `next`, when `done` passes are there and `correlated` ones make a batch:
+    // at the ends of batches, from 4 batches and 8 passes on, and ever more rarely, so that it costs little. Depends on
+    // passes alone.
+    bool error_due(uint32_t next, uint32_t done, uint32_t correlated) const;
 
     // Whether the pass started now is expected to be the last one by time.
     bool last_by_time(double elapsed, double expected_pass) const;
