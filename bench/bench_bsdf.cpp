@@ -77,43 +77,44 @@ void make(benchmark::State& state)
     for (auto _ : state) benchmark::DoNotOptimize(scene.bsdf(i++));
 }
 
-void value(benchmark::State& state)
+// Times call(scene, bsdf, i) on one Bsdf, whose layers are walked anew at each call.
+template <class Call>
+void time_calls(benchmark::State& state, const Call& call)
 {
     const Scene scene = make_scene(state);
     Bsdf bsdf = scene.bsdf(0);
     int i = 0;
     for (auto _ : state) {
         bsdf.layer_seed = static_cast<uint32_t>(++i);
-        benchmark::DoNotOptimize(
-            evaluate(bsdf, scene.directions[i % points], scene.directions[(i + 7) % points], TransportMode::radiance));
+        benchmark::DoNotOptimize(call(scene, bsdf, i));
     }
+}
+
+void value(benchmark::State& state)
+{
+    time_calls(state, [](const Scene& scene, const Bsdf& bsdf, int i) {
+        return evaluate(bsdf, scene.directions[i % points], scene.directions[(i + 7) % points],
+                        TransportMode::radiance);
+    });
 }
 
 void density(benchmark::State& state)
 {
-    const Scene scene = make_scene(state);
-    Bsdf bsdf = scene.bsdf(0);
-    int i = 0;
-    for (auto _ : state) {
-        bsdf.layer_seed = static_cast<uint32_t>(++i);
-        benchmark::DoNotOptimize(
-            pdf(bsdf, scene.directions[i % points], scene.directions[(i + 7) % points], TransportMode::radiance));
-    }
+    time_calls(state, [](const Scene& scene, const Bsdf& bsdf, int i) {
+        return pdf(bsdf, scene.directions[i % points], scene.directions[(i + 7) % points], TransportMode::radiance);
+    });
 }
 
 void sample(benchmark::State& state)
 {
-    const Scene scene = make_scene(state);
-    Bsdf bsdf = scene.bsdf(0);
-    int i = 0;
     BsdfSample drawn;
-    for (auto _ : state) {
-        bsdf.layer_seed = static_cast<uint32_t>(++i);
+    time_calls(state, [&](const Scene& scene, const Bsdf& bsdf, int i) {
         const Vec3& u = scene.at[i % points].position;
-        benchmark::DoNotOptimize(
-            sample_bsdf(bsdf, scene.directions[(i + 7) % points], u.x, Vec2(u.y, u.x), TransportMode::radiance, drawn));
+        const bool valid =
+            sample_bsdf(bsdf, scene.directions[(i + 7) % points], u.x, Vec2(u.y, u.x), TransportMode::radiance, drawn);
         benchmark::DoNotOptimize(drawn);
-    }
+        return valid;
+    });
 }
 
 // Kind and roughness in thousandths.
