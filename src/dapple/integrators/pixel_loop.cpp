@@ -11,8 +11,8 @@ Vec3 in_camera_space(const Camera& camera, const Vec3& p, float time)
 
 Vec3 normal_in_camera_space(const Camera& camera, const Vec3& n, float time)
 {
-    return normalize(camera.world_from_camera.with(
-        time, [&](const Transform& transform) { return transform.inverse().normal(n); }));
+    return normalize(
+        camera.world_from_camera.with(time, [&](const Transform& transform) { return transform.inverse().normal(n); }));
 }
 
 }  // namespace
