@@ -12,9 +12,7 @@ namespace dapple {
 class RandomStream {
 public:
     // stream: which sequence (a pixel, or a purpose such as "photons of set 3"); index: which point of it.
-    RandomStream(uint64_t seed, uint64_t stream, uint32_t index) : key_(mix64(hash_words(seed, stream))), index_(index)
-    {
-    }
+    RandomStream(uint64_t seed, uint64_t stream, uint32_t index);
 
     // The next number in [0, 1).
     float next();
@@ -22,14 +20,20 @@ public:
     Vec2 next_2d();
     // The next number as an integer in [0, n), n > 0.
     uint32_t next_index(uint32_t n);
+    // Passes over `count` numbers that would not be looked at; those after them stay the same.
+    void skip(uint32_t count) { dimension_ += count; }
 
     uint32_t dimension() const { return dimension_; }
 
 private:
     static constexpr uint32_t low_discrepancy_dimensions = 64;
 
+    // The index with its bits shuffled for one dimension (or pair of them).
+    uint32_t shuffled_index(uint64_t h) const;
+
     uint64_t key_;
     uint32_t index_;
+    uint32_t reversed_index_;
     uint32_t dimension_ = 0;
 };
 
@@ -41,6 +45,14 @@ constexpr uint32_t reverse_bits(uint32_t x)
     x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
     x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
     return __builtin_bswap32(x);
+}
+
+constexpr uint64_t reverse_bits(uint64_t x)
+{
+    x = ((x >> 1) & 0x5555555555555555u) | ((x & 0x5555555555555555u) << 1);
+    x = ((x >> 2) & 0x3333333333333333u) | ((x & 0x3333333333333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0f0f0f0f0fu) | ((x & 0x0f0f0f0f0f0f0f0fu) << 4);
+    return __builtin_bswap64(x);
 }
 
 // Owen scrambling of a bit-reversed word: each bit is flipped by a hash of the bits below it (Laine and Karras 2011
@@ -76,6 +88,16 @@ constexpr float to_unit_float32(uint32_t x) { return static_cast<float>(x >> 8) 
 
 }  // namespace detail
 
+inline RandomStream::RandomStream(uint64_t seed, uint64_t stream, uint32_t index)
+    : key_(mix64(hash_words(seed, stream))), index_(index), reversed_index_(detail::reverse_bits(index))
+{
+}
+
+inline uint32_t RandomStream::shuffled_index(uint64_t h) const
+{
+    return detail::reverse_bits(detail::owen_scramble_reversed(reversed_index_, static_cast<uint32_t>(h)));
+}
+
 inline Vec2 RandomStream::next_2d()
 {
     const uint64_t h = mix64(key_ ^ dimension_);
@@ -86,12 +108,14 @@ inline Vec2 RandomStream::next_2d()
                 detail::to_unit_float32(static_cast<uint32_t>(bits >> 32))};
     }
     // Shuffling the index keeps pairs of dimensions independent; scrambling the points randomises each pair.
-    const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
+    const uint32_t shuffled = shuffled_index(h);
     const uint64_t scramble = mix64(h);
     const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(scramble));
     const uint32_t y =
         detail::owen_scramble_reversed(detail::sobol_second_reversed(shuffled), static_cast<uint32_t>(scramble >> 32));
-    return {detail::to_unit_float32(detail::reverse_bits(x)), detail::to_unit_float32(detail::reverse_bits(y))};
+    const uint64_t both = detail::reverse_bits((static_cast<uint64_t>(y) << 32) | x);  // x comes out above
+    return {detail::to_unit_float32(static_cast<uint32_t>(both >> 32)),
+            detail::to_unit_float32(static_cast<uint32_t>(both))};
 }
 
 inline float RandomStream::next()
@@ -100,7 +124,7 @@ inline float RandomStream::next()
     dimension_ += 1;
     if (dimension_ > low_discrepancy_dimensions)
         return detail::to_unit_float32(static_cast<uint32_t>(mix64(h ^ index_)));
-    const uint32_t shuffled = detail::owen_scramble(index_, static_cast<uint32_t>(h));
+    const uint32_t shuffled = shuffled_index(h);
     const uint32_t x = detail::owen_scramble_reversed(shuffled, static_cast<uint32_t>(mix64(h)));
     return detail::to_unit_float32(detail::reverse_bits(x));
 }

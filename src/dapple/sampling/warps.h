@@ -1,7 +1,7 @@
 // Maps from the unit square to discs, spheres, cones and triangles, each with its density and its inverse. All are area
 // preserving up to the constant (or cosine) density named, and continuous, so stratified points stay stratified.
 // Concentric disc: Shirley and Chiu 1997, "A low distortion map between disk and square". Triangle: Heitz 2019, "A
-// low-distortion map between triangle and square". Cost: one sine and cosine at most.
+// low-distortion map between triangle and square". Cost: one sine and cosine at most, for discs two short polynomials.
 #pragma once
 
 #include "dapple/math/frame.h"
@@ -15,12 +15,15 @@ inline Vec2 sample_disk_concentric(const Vec2& u)
     const float x = 2.0f * u.x - 1.0f;
     const float y = 2.0f * u.y - 1.0f;
     if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
-    if (std::fabs(x) > std::fabs(y)) {
-        const float angle = (pi / 4.0f) * (y / x);
-        return {x * std::cos(angle), x * std::sin(angle)};
-    }
-    const float angle = (pi / 4.0f) * (x / y);
-    return {y * std::sin(angle), y * std::cos(angle)};
+    // The choice between two halves of the square is a coin toss, which no branch could foresee.
+    const bool wide = std::fabs(x) > std::fabs(y);
+    const float radius = wide ? x : y;
+    const float angle = (pi / 4.0f) * ((wide ? y : x) / radius);
+    // Polynomials through (sin t) / t and cos t at the Chebyshev nodes of [-pi/4, pi/4]: within 1.2e-8 before rounding.
+    const float t2 = angle * angle;
+    const float sine = angle * (((-0x1.9ac9b0p-13f * t2 + 0x1.110c28p-7f) * t2 - 0x1.555552p-3f) * t2 + 1.0f);
+    const float cosine = (((0x1.9a6f2cp-16f * t2 - 0x1.6c0e08p-10f) * t2 + 0x1.55554cp-5f) * t2 - 0.5f) * t2 + 1.0f;
+    return {radius * (wide ? cosine : sine), radius * (wide ? sine : cosine)};
 }
 // Density of sample_disk_concentric per unit area of the unit disc.
 inline float pdf_disk() { return inv_pi; }
