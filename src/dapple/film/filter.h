@@ -52,12 +52,13 @@ public:
 private:
     // The even function of one axis, on [0, radius].
     struct Axis {
-        static constexpr int cells = 256;  // a power of two, for the search
+        static constexpr int cells = 256;
         float radius = 0.0f;
         float to_cell = 0.0f;                // cells / radius
         float weight = 1.0f;                 // integral of |f| over integral of f
         std::array<float, cells + 1> value;  // at cell borders
         std::array<float, cells + 1> cdf;    // of |f|, from 0 to 1
+        std::array<uint8_t, cells> guide;    // the last cell that begins at or below k / cells: where a search starts
 
         void build(const FilterShape& shape, float axis_radius);
         float evaluate(float offset) const
