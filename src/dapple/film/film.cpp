@@ -181,6 +181,12 @@ Film::Film(FilmSettings settings) : settings_(std::move(settings)), sums_(std::m
 
 Film::~Film() = default;
 
+void Film::prefetch_pixel(Int2 pixel) const
+{
+    const size_t index = sums_->index(pixel.x, pixel.y);
+    for (const Layer& layer : sums_->layers) prefetch(layer.pixel(index), layer.pixel(index) + layer.channels());
+}
+
 void Film::add_pixel(Int2 pixel, const PixelSample& sample, int samples)
 {
     Sums& s = *sums_;

@@ -97,6 +97,9 @@ public:
     const FilmSettings& settings() const { return settings_; }
     Int2 resolution() const { return settings_.resolution; }
 
+    // Asks for the memory of a pixel of the crop window, long before add_pixel wants it. Changes nothing.
+    void prefetch_pixel(Int2 pixel) const;
+
     // Adds the mean of a pixel's eye samples in this pass. Called by one thread per pixel and pass.
     // `sample` holds the sum over `samples` eye paths. A pixel outside of the crop window is ignored.
     void add_pixel(Int2 pixel, const PixelSample& sample, int samples);

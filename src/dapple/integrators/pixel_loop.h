@@ -14,7 +14,8 @@ enum class StreamPurpose : uint64_t {
     wavelength_set = 3,
     splat = 4,
     shutter = 5,
-    light_subpath = 6
+    light_subpath = 6,
+    cache_record = 7
 };
 
 inline RandomStream pixel_stream(uint64_t seed, Int2 pixel, uint32_t sample)
