@@ -69,6 +69,21 @@ private:
         return lerp(x - static_cast<float>(i), values[0], values[1]);
     }
 
+    // The same at four wavelengths.
+    Spectrum table_at(uint32_t table, const float* lambda) const
+    {
+        const float* values = tables_.data() + static_cast<size_t>(table) * spectrum_table_size;
+        Spectrum t, low, high;
+        for (int i = 0; i < Spectrum::lanes; ++i) {
+            const float x = std::min(std::max(lambda[i] - lambda_min, 0.0f), lambda_max - lambda_min);
+            const int cell = std::min(static_cast<int>(x), spectrum_table_size - 2);
+            t[i] = x - static_cast<float>(cell);
+            low[i] = values[cell];
+            high[i] = values[cell + 1];
+        }
+        return low * (Spectrum(1.0f) - t) + high * t;  // lerp
+    }
+
     std::vector<float> tables_;
     const ColorSpace* image_space_;
     const SigmoidTable* image_sigmoids_ = nullptr;
@@ -94,8 +109,7 @@ inline Spectrum SpectrumPool::evaluate(const SpectrumValue& value, const Wavelen
         const SigmoidCoefficients sigmoid{{value.c[0], value.c[1], value.c[2]}};
         for (int i = 0; i < Spectrum::lanes; ++i) result.v[i] *= sigmoid.at(wavelengths.lambda[i]);
     }
-    if (value.kind != SpectrumValue::Kind::albedo)
-        for (int i = 0; i < Spectrum::lanes; ++i) result.v[i] *= table_at(value.table, wavelengths.lambda[i]);
+    if (value.kind != SpectrumValue::Kind::albedo) result *= table_at(value.table, wavelengths.lambda);
     return result;
 }
 
