@@ -43,7 +43,8 @@ bool sample_area_light(const Lights& lights, const SpectrumPool& pool, const Lig
     sample.normal = point.normal;
     sample.uv = point.uv;
     sample.pdf = point.pdf;
-    sample.radiance = area_radiance(lights, pool, light, point.uv, wavelengths);
+    sample.radiance = has_image(light) ? area_radiance(lights, pool, light, point.uv, wavelengths)
+                                       : pool.evaluate(light.spectrum, wavelengths);
     if (light.alpha > 0.0f) {
         sample.radiance *= light.alpha;
     } else {

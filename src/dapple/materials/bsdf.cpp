@@ -137,6 +137,22 @@ float pdf(const Bsdf& bsdf, const Vec3& wo_world, const Vec3& wi_world, Transpor
     return 0.0f;
 }
 
+BsdfValue evaluate_with_pdf(const Bsdf& bsdf, const Vec3& wo_world, const Vec3& wi_world, TransportMode mode)
+{
+    if (bsdf.kind != BsdfKind::diffuse) {
+        const Spectrum f = evaluate(bsdf, wo_world, wi_world, mode);
+        if (f.is_black()) return {};
+        return {f, pdf(bsdf, wo_world, wi_world, mode)};
+    }
+    // The commonest family needs the two heights alone.
+    const Vec3 wo(0.0f, 0.0f, dot(wo_world, bsdf.frame.n));
+    const Vec3 wi(0.0f, 0.0f, dot(wi_world, bsdf.frame.n));
+    if (in_plane(wo) || in_plane(wi) || !same_hemisphere(wo, wi)) return {};
+    const Spectrum f = diffuse(bsdf).f(wo, wi) * adjoint_factor(bsdf, wo_world, wi_world, wo.z, wi.z, 1.0f, mode);
+    if (f.is_black()) return {};
+    return {f, diffuse(bsdf).pdf(wo, wi, Lobes::all)};
+}
+
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo_world, float u_lobe, const Vec2& u, TransportMode mode,
                  BsdfSample& sample)
 {

@@ -55,6 +55,8 @@ struct Bsdf {
     // Every lobe is a delta: nothing to evaluate, connect to, or store a photon at.
     bool is_delta() const;
     bool transmits() const;
+    // Whether sample_bsdf looks at u_lobe.
+    bool chooses_lobe() const { return kind > BsdfKind::diffuse && kind != BsdfKind::conductor; }
 };
 
 struct BsdfSample {
@@ -74,6 +76,13 @@ Spectrum evaluate(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMod
 // Density per solid angle with which sample_bsdf(wo) chooses wi. Zero for delta lobes. For the layered kinds it is an
 // estimate (see layered.h), fit for MIS weights, and sample_bsdf reports the same function of (wo, wi).
 float pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
+
+// Both at once, for less than two calls; the density is left 0 where f is black.
+struct BsdfValue {
+    Spectrum f;
+    float pdf = 0.0f;
+};
+BsdfValue evaluate_with_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
 
 // Samples wi given wo from u_lobe and u in [0,1). False when the light is absorbed.
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u, TransportMode mode, BsdfSample& sample);

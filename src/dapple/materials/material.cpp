@@ -28,13 +28,16 @@ struct Lookup {
     float number(FloatTextureId id) const { return id.valid() ? evaluate(textures, id, at) : 0.0f; }
     Spectrum spectrum(SpectrumTextureId id) const
     {
-        return id.valid() ? evaluate(textures, pool, id, at, wavelengths) : Spectrum();
+        if (!id.valid()) return Spectrum();
+        const TextureNode& node = textures.spectra[id.value];
+        if (node.kind == TextureNode::Kind::constant) return pool.evaluate(node.spectrum[0], wavelengths);
+        return evaluate(textures, pool, id, at, wavelengths);
     }
     // A share of light, per lane in [0, limit].
     Spectrum share(SpectrumTextureId id, float factor = 1.0f, float limit = 1.0f) const
     {
-        Spectrum s = spectrum(id) * factor;
-        for (float& lane : s.v) lane = std::clamp(lane, 0.0f, limit);
+        Spectrum s = spectrum(id);
+        for (float& lane : s.v) lane = std::min(std::max(lane * factor, 0.0f), limit);
         return s;
     }
     Roughness roughness(FloatTextureId u, FloatTextureId v, bool remap) const
@@ -138,7 +141,7 @@ void set_layers(Bsdf& bsdf, const Material& material, const Lookup& look)
 
 }  // namespace
 
-MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfacePoint& at)
+MaterialId follow_mix(const Materials& materials, MaterialId id, const SurfacePoint& at)
 {
     for (int depth = 0; depth < max_mix_depth; ++depth) {
         const Material& material = materials.list[id.value];
@@ -180,9 +183,17 @@ bool uses_tangents(const Materials& materials, MaterialId id)
 Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,
                const Wavelengths& wavelengths, int kept_lane)
 {
+    Bsdf bsdf;
+    make_bsdf(materials, pool, id, at, wavelengths, kept_lane, bsdf);
+    return bsdf;
+}
+
+void make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,
+               const Wavelengths& wavelengths, int kept_lane, Bsdf& bsdf)
+{
     const Material& material = materials.list[resolve_mix(materials, id, at).value];
     const Lookup look{materials.textures, pool, at, wavelengths};
-    Bsdf bsdf;
+    bsdf.dispersive = false;
     bsdf.n_geometric = at.n_geometric;
     bsdf.frame = shading_frame(materials, material, at);
     switch (material.kind) {
@@ -227,9 +238,8 @@ Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId 
                 look.roughness(material.coat_u_roughness, material.coat_v_roughness, material.remap_roughness);
             bsdf.base_roughness = look.roughness(material.u_roughness, material.v_roughness, material.remap_roughness);
             break;
-        case Material::Kind::mix: break;  // a circle of mixes: black
+        case Material::Kind::mix: bsdf.kind = BsdfKind::none; break;  // a circle of mixes: black
     }
-    return bsdf;
 }
 
 }  // namespace dapple

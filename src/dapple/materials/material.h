@@ -51,8 +51,12 @@ struct Materials {
     Textures textures;
 };
 
+MaterialId follow_mix(const Materials& materials, MaterialId id, const SurfacePoint& at);
 // The material met at a point: follows `mix`, choosing by a hash of the point, so that eye and light paths agree.
-MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfacePoint& at);
+inline MaterialId resolve_mix(const Materials& materials, MaterialId id, const SurfacePoint& at)
+{
+    return materials.list[id.value].kind == Material::Kind::mix ? follow_mix(materials, id, at) : id;
+}
 
 // Whether make_bsdf looks at the tangents of the surface point: bumped, normal-mapped or anisotropic materials.
 bool uses_tangents(const Material& material);
@@ -63,5 +67,8 @@ bool uses_tangents(const Materials& materials, MaterialId id);
 // index is taken (spectral model).
 Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,
                const Wavelengths& wavelengths, int kept_lane);
+// The same in place. Members that `bsdf.kind` has no use for keep what they held.
+void make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,
+               const Wavelengths& wavelengths, int kept_lane, Bsdf& bsdf);
 
 }  // namespace dapple

@@ -25,6 +25,21 @@ struct MeshTriangle {
 SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time,
                                 SurfaceDetail detail = SurfaceDetail::tangents);
 
+// The same for a triangle whose corners lie elsewhere: what a hit costs most without. Writes into `point`; without
+// tangents dpdu to dndv keep what they held.
+struct TriangleCorners {
+    const Vec3* p[3];
+    const Vec3* n[3];   // used when has_normals
+    const Vec2* uv[3];  // used when has_uv
+    const Vec3* s[3];   // used when has_tangents
+    bool has_normals = false;
+    bool has_uv = false;
+    bool has_tangents = false;
+    bool flip = false;
+};
+void triangle_surface_point(const TriangleCorners& triangle, const Vec2& barycentrics, float time, SurfaceDetail detail,
+                            SurfacePoint& point);
+
 // Absolute bound per axis of the height at which single-precision ray-triangle tests (Moeller and Trumbore 1997, as in
 // Embree) may still report a hit with this triangle for rays that leave one of its points: see mesh.cpp.
 Vec3 mesh_error_bound(const Vec3& p0, const Vec3& p1, const Vec3& p2);

@@ -94,7 +94,7 @@ bool sample_solid_angle(const Primitive& primitive, const Vec3& reference, const
     if (primitive.kind == Kind::triangle) {
         detail::SphericalTriangle triangle;
         if (detail::find_spherical_triangle(primitive, reference, triangle))
-            return detail::triangle_sample_solid_angle(primitive, reference, triangle, u, sample);
+            return detail::triangle_sample_solid_angle(primitive, triangle, u, sample);
     }
     sample = sample_area(primitive, u);
     const Vec3 wi = normalize(sample.position - reference);

@@ -5,8 +5,6 @@
 #include "dapple/shapes/double_math.h"
 #include "dapple/shapes/primitive.h"
 
-#include <array>
-
 namespace dapple::detail {
 
 // Spheres, disks and cylinders (quadrics.cpp).
@@ -38,14 +36,16 @@ SurfacePoint triangle_primitive_surface_point(const Primitive& primitive, const 
 ShapeSample triangle_sample_area(const Primitive& primitive, const Vec2& u);
 // A triangle as a reference point sees it.
 struct SphericalTriangle {
-    std::array<Vec3d, 3> directions;  // unit, to the vertices
-    double volume;                    // their triple product, positive
-    double solid_angle;               // [sr]
+    double inv_length[3];           // of the vertices' distances
+    double cos_ab, cos_bc, cos_ac;  // between the directions to them
+    double sin2_ac;
+    double volume;       // triple product of the directions, positive
+    double solid_angle;  // [sr]
 };
 // False where the triangle is to be sampled by area.
 bool find_spherical_triangle(const Primitive& primitive, const Vec3& reference, SphericalTriangle& triangle);
-bool triangle_sample_solid_angle(const Primitive& primitive, const Vec3& reference, const SphericalTriangle& triangle,
-                                 const Vec2& u, ShapeSample& sample);
+bool triangle_sample_solid_angle(const Primitive& primitive, const SphericalTriangle& triangle, const Vec2& u,
+                                 ShapeSample& sample);
 
 // The part of a SurfacePoint that a ShapeSample holds; pdf is left 0.
 inline ShapeSample to_sample(const SurfacePoint& point)

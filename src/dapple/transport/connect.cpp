@@ -34,9 +34,9 @@ Scattering evaluate_scattering(const Vertex& vertex, const Vec3& wi, TransportMo
         const float p = evaluate_phase(vertex.phase_g, vertex.wo, wi);
         return {Spectrum(p), p};
     }
-    const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, mode);
-    if (f.is_black()) return {};
-    return {f * abs_dot(wi, vertex.bsdf.frame.n), pdf(vertex.bsdf, vertex.wo, wi, mode)};
+    const BsdfValue scattered = evaluate_with_pdf(vertex.bsdf, vertex.wo, wi, mode);
+    if (scattered.f.is_black()) return {};
+    return {scattered.f * abs_dot(wi, vertex.bsdf.frame.n), scattered.pdf};
 }
 
 float reverse_pdf(const Vertex& vertex, const Vec3& wi, TransportMode mode)

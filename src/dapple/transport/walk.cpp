@@ -23,16 +23,29 @@ Walk::Walk(const Ray& ray, MediumId medium, TransportMode mode, const Wavelength
 {
 }
 
+namespace {
+
+// The point of the lens that a path starts from; a pinhole has no use for the numbers.
+Vec2 choose_lens_point(const Camera& camera, RandomStream& random)
+{
+    if (camera.lens_radius > 0.0f) return random.next_2d();
+    random.skip(2);
+    return Vec2(0.5f);
+}
+
+}  // namespace
+
 Walk start_at_camera(const World& world, const Vec2& raster, const PathStart& start, RandomStream& random)
 {
-    const CameraRay camera_ray = generate_ray(world.camera, raster, random.next_2d(), start.time);
+    const CameraRay camera_ray =
+        generate_ray(world.camera, raster, choose_lens_point(world.camera, random), start.time);
     return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, start.wavelengths, start.kept_lane,
                 Spectrum(camera_ray.weight));
 }
 
 Walk start_at_camera(const World& world, const Vec2& raster, const Wavelengths& wavelengths, RandomStream& random)
 {
-    const Vec2 u_lens = random.next_2d();
+    const Vec2 u_lens = choose_lens_point(world.camera, random);
     const PathStart start = path_start(wavelengths, random.next_2d());
     const CameraRay camera_ray = generate_ray(world.camera, raster, u_lens, start.time);
     return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, wavelengths, start.kept_lane,
@@ -49,7 +62,11 @@ const Vertex* Walk::next(const World& world, RandomStream& random)
 
 bool Walk::scatter(const World& world, RandomStream& random)
 {
-    const float u_lobe = random.next();
+    float u_lobe = 0.0f;
+    if (vertex_.on_surface && vertex_.bsdf.chooses_lobe())
+        u_lobe = random.next();
+    else
+        random.skip(1);  // no one looks at it
     const Vec2 u = random.next_2d();
     previous_position_ = vertex_.at.position;
     if (!vertex_.on_surface) {
@@ -97,7 +114,7 @@ const Vertex* Walk::travel(const World& world, RandomStream& random)
             return nullptr;
         }
         travelled += hit.t;
-        vertex_.at = world.surface_point(ray_, hit);
+        world.surface_point(ray_, hit, vertex_.at);
         const Geometry& geometry = world.geometries[hit.geometry];
         const MaterialId material = resolve_mix(world.materials, geometry.material, vertex_.at);
         vertex_.wo = -ray_.direction;
@@ -108,7 +125,7 @@ const Vertex* Walk::travel(const World& world, RandomStream& random)
             continue;
         }
         vertex_.on_surface = true;
-        vertex_.bsdf = make_bsdf(world.materials, world.spectra, material, vertex_.at, wavelengths_, kept_lane_);
+        make_bsdf(world.materials, world.spectra, material, vertex_.at, wavelengths_, kept_lane_, vertex_.bsdf);
         vertex_.geometry = hit.geometry;
         vertex_.emitter = world.emitter(hit);
         vertex_.medium = medium_;

@@ -15,6 +15,8 @@
 #endif
 
 #include <atomic>
+#include <cstddef>
+#include <cstring>
 #include <vector>
 
 namespace dapple {
@@ -158,14 +160,13 @@ bool same_rotation(const AnimatedTransform& transform)
 RTCRayHit to_embree(const Ray& ray, float t_max)
 {
     RTCRayHit query;
-    query.ray.org_x = ray.origin.x;
-    query.ray.org_y = ray.origin.y;
-    query.ray.org_z = ray.origin.z;
-    query.ray.tnear = 0.0f;
-    query.ray.dir_x = ray.direction.x;
-    query.ray.dir_y = ray.direction.y;
-    query.ray.dir_z = ray.direction.z;
-    query.ray.time = ray.time;
+    // Four numbers at a time: Embree reads them so, and would wait for parts to reach memory.
+    typedef float Float4 __attribute__((vector_size(16)));
+    const Float4 origin = {ray.origin.x, ray.origin.y, ray.origin.z, 0.0f};  // and tnear
+    const Float4 direction = {ray.direction.x, ray.direction.y, ray.direction.z, ray.time};
+    static_assert(offsetof(RTCRay, tnear) == 12 && offsetof(RTCRay, dir_x) == 16 && offsetof(RTCRay, time) == 28);
+    std::memcpy(reinterpret_cast<char*>(&query.ray), &origin, sizeof origin);
+    std::memcpy(reinterpret_cast<char*>(&query.ray) + sizeof origin, &direction, sizeof direction);
     query.ray.tfar = t_max;
     query.ray.mask = 0xffffffffu;
     query.ray.id = 0;

@@ -32,6 +32,34 @@ Primitive placed_primitive(Primitive primitive, const Transform& place)
     return primitive;
 }
 
+// The surface point of a triangle of a group, where an instance places it.
+void placed_surface_point(const GroupInstance& instance, TriangleCorners corners, SurfaceDetail detail, const Ray& ray,
+                          const Hit& hit, SurfacePoint& at)
+{
+    const Transform place = instance.world_from_group.at(ray.time);
+    corners.flip = corners.flip != place.swaps_handedness();
+    Vec3 group_size(0);  // Embree intersects in the group's space: its rounding counts too
+    Vec3 p[3], n[3], s[3];
+    for (int corner = 0; corner < 3; ++corner) {
+        for (int axis = 0; axis < 3; ++axis)
+            group_size[axis] = std::max(group_size[axis], std::fabs((*corners.p[corner])[axis]));
+        p[corner] = place.point(*corners.p[corner]);
+        corners.p[corner] = &p[corner];
+        if (corners.has_normals) n[corner] = normalize(place.normal(*corners.n[corner]));
+        if (corners.has_tangents) s[corner] = place.vector(*corners.s[corner]);
+        corners.n[corner] = &n[corner];
+        corners.s[corner] = &s[corner];
+    }
+    triangle_surface_point(corners, hit.uv, ray.time, detail, at);
+    const auto& m = place.matrix().m;
+    for (int axis = 0; axis < 3; ++axis) {
+        // Rounding of the instance transform itself, in both directions.
+        float magnitude = std::fabs(at.position[axis]) + static_cast<float>(std::fabs(m[axis][3]));
+        for (int k = 0; k < 3; ++k) magnitude += static_cast<float>(std::fabs(m[axis][k])) * group_size[k];
+        at.error[axis] += magnitude * 1e-6f;
+    }
+}
+
 }  // namespace
 
 World::World() = default;
@@ -63,9 +91,8 @@ bool World::occluded(const Ray& ray, float t_max) const
     return intersect(ray, t_max, hit);
 }
 
-float World::opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const
+float World::textured_opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const
 {
-    if (!light.alpha_texture.valid()) return 1.0f;
     SurfacePoint at;
     at.position = position;
     at.n_geometric = at.n_shading = normal;
@@ -73,51 +100,38 @@ float World::opacity(const Light& light, const Vec3& position, const Vec3& norma
     return clamp01(evaluate(materials.textures, light.alpha_texture, at));
 }
 
-SurfacePoint World::surface_point(const Ray& ray, const Hit& hit) const
+void World::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& at) const
 {
     const Geometry& geometry = geometries[hit.geometry];
     const bool placed = hit.instance != Hit::no_instance;
     if (!geometry.is_mesh) {
         const Primitive& primitive = primitives[geometry.first_primitive + hit.primitive];
         const PrimitiveHit primitive_hit{hit.t, hit.uv};
-        if (!placed) return dapple::surface_point(primitive, ray, primitive_hit);
-        return dapple::surface_point(placed_primitive(primitive, instances[hit.instance].world_from_group.at(ray.time)),
-                                     ray, primitive_hit);
+        if (!placed) {
+            at = dapple::surface_point(primitive, ray, primitive_hit);
+            return;
+        }
+        const Transform place = instances[hit.instance].world_from_group.at(ray.time);
+        at = dapple::surface_point(placed_primitive(primitive, place), ray, primitive_hit);
+        return;
     }
     const Mesh& mesh = meshes[geometry.mesh];
     const uint32_t* index = &mesh.indices[size_t(hit.primitive) * 3];
-    MeshTriangle triangle;
-    triangle.flip = geometry.flip;
-    triangle.has_normals = !mesh.normals.empty();
-    triangle.has_uv = !mesh.uvs.empty();
-    triangle.has_tangents = !mesh.tangents.empty() && geometry.detail == SurfaceDetail::tangents;
+    TriangleCorners corners;
+    corners.flip = geometry.flip;
+    corners.has_normals = !mesh.normals.empty();
+    corners.has_uv = !mesh.uvs.empty();
+    corners.has_tangents = !mesh.tangents.empty() && geometry.detail == SurfaceDetail::tangents;
     for (int corner = 0; corner < 3; ++corner) {
-        triangle.p[corner] = mesh.positions[index[corner]];
-        if (triangle.has_normals) triangle.n[corner] = mesh.normals[index[corner]];
-        if (triangle.has_uv) triangle.uv[corner] = mesh.uvs[index[corner]];
-        if (triangle.has_tangents) triangle.s[corner] = mesh.tangents[index[corner]];
+        corners.p[corner] = mesh.positions.data() + index[corner];
+        if (corners.has_normals) corners.n[corner] = mesh.normals.data() + index[corner];
+        if (corners.has_uv) corners.uv[corner] = mesh.uvs.data() + index[corner];
+        if (corners.has_tangents) corners.s[corner] = mesh.tangents.data() + index[corner];
     }
-    if (!placed) return mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
-
-    const Transform place = instances[hit.instance].world_from_group.at(ray.time);
-    triangle.flip = triangle.flip != place.swaps_handedness();
-    Vec3 group_size(0);  // Embree intersects in the group's space: its rounding counts too
-    for (int corner = 0; corner < 3; ++corner) {
-        for (int axis = 0; axis < 3; ++axis)
-            group_size[axis] = std::max(group_size[axis], std::fabs(triangle.p[corner][axis]));
-        triangle.p[corner] = place.point(triangle.p[corner]);
-        if (triangle.has_normals) triangle.n[corner] = normalize(place.normal(triangle.n[corner]));
-        if (triangle.has_tangents) triangle.s[corner] = place.vector(triangle.s[corner]);
-    }
-    SurfacePoint at = mesh_surface_point(triangle, hit.uv, ray.time, geometry.detail);
-    const auto& m = place.matrix().m;
-    for (int axis = 0; axis < 3; ++axis) {
-        // Rounding of the instance transform itself, in both directions.
-        float magnitude = std::fabs(at.position[axis]) + static_cast<float>(std::fabs(m[axis][3]));
-        for (int k = 0; k < 3; ++k) magnitude += static_cast<float>(std::fabs(m[axis][k])) * group_size[k];
-        at.error[axis] += magnitude * 1e-6f;
-    }
-    return at;
+    if (placed)
+        placed_surface_point(instances[hit.instance], corners, geometry.detail, ray, hit, at);
+    else
+        triangle_surface_point(corners, hit.uv, ray.time, geometry.detail, at);
 }
 
 }  // namespace dapple

@@ -76,7 +76,14 @@ public:
     // Whether any surface (interfaces included) is met at t in (0, t_max).
     bool occluded(const Ray& ray, float t_max) const;
     // Differential geometry at a hit of `ray`; tangents where the geometry's material looks at them.
-    SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+    SurfacePoint surface_point(const Ray& ray, const Hit& hit) const
+    {
+        SurfacePoint at;
+        surface_point(ray, hit, at);
+        return at;
+    }
+    // The same in place; without tangents those of `at` keep what they held.
+    void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& at) const;
 
     // The area light at a hit, or an invalid id.
     LightId emitter(const Hit& hit) const
@@ -93,7 +100,10 @@ public:
     const std::string& name_of(uint32_t geometry) const { return names[geometries[geometry].name]; }
 
     // Opacity of a light's shape at one of its points: what a cut-out leaves of an area light's emission.
-    float opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const;
+    float opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const
+    {
+        return light.alpha_texture.valid() ? textured_opacity(light, position, normal, uv) : 1.0f;
+    }
 
     // Probability of a light under power-weighted selection (light_choice).
     float light_probability(LightId light) const { return light_choice.probability(light.value); }
@@ -122,6 +132,9 @@ public:
     bool has_emitting_media = false;
 
     std::unique_ptr<Accelerator> accelerator;
+
+private:
+    float textured_opacity(const Light& light, const Vec3& position, const Vec3& normal, const Vec2& uv) const;
 };
 
 }  // namespace dapple
