@@ -9,16 +9,23 @@
 // and 0.3 % with the Gaussian, which does not vanish at its edge. Where max_radius holds fewer than k photons,
 // r = max_radius and all count; both cases together have no bias on an evenly lit plane either.
 //
+// A least radius may be given, too: where the k-th photon is nearer, all within min_radius count. The three cases
+// together keep the mean exact: with N photons within the area A of min_radius and A_k that of the k-th,
+// E[N/A; A_k < A] + E[(k-1)/A_k; A_k >= A] is the density times P(N >= k-1) + P(N < k-1).
+//
 // What counts is decided by SurfaceRegion (photon_map.h): a flat disc, and photons whose normals agree with the
 // query's. A wall, however thin, keeps the light of its other side, unless the caller asks for it (transmission). Not
-// mended: near the edge of a surface part of the disc is empty and the estimate falls, to 1/2 at a straight edge and
-// 1/4 at a right-angled corner; and light on a floor seeps below a wall that stands on it, up to r far. On a sphere the
-// constant kernel is exact (a cap of chord r has the area pi r^2) until the disc's height cuts it, at r = 0.2 sphere
-// radii. Cost: one search of the tree, about 1.5 us for k = 50 of a million photons and sorted queries.
+// mended here, where nothing is known but photons: near the edge of a surface part of the disc is empty and the
+// estimate falls, to 1/2 at a straight edge and 1/4 at a right-angled corner; and light on a floor seeps below a wall
+// that stands on it, up to r far (integrators/surface_coverage.h mends both). On a sphere the constant kernel is exact
+// (a cap of chord r has the area pi r^2) until the disc's height cuts it, at r = 0.2 sphere radii. Cost: one search of
+// the tree, about 1.5 us for k = 50 of a million photons and sorted queries.
 #pragma once
 
 #include "dapple/density/kernels.h"
 #include "dapple/photons/photon_map.h"
+
+#include <utility>
 
 namespace dapple {
 
@@ -27,7 +34,11 @@ struct Bandwidth {
     int nearest = 0;          // 0: all photons within max_radius; else at least 2, at most the k of the NearestPoints
     float max_radius = 0.0f;  // [m]; may be infinite if nearest > 0
     KernelKind kernel = KernelKind::epanechnikov;
+    float min_radius = 0.0f;  // [m], if nearest > 0; at most max_radius
 };
+
+// A photon of an estimate and its weight [1/m^2].
+using WeightedPhoton = std::pair<uint32_t, float>;  // slot, weight
 
 // What an estimate rests on.
 struct EstimateSupport {
@@ -79,7 +90,8 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
         radius = std::sqrt(nearest.distance_squared(left_out));
-        const float least = std::min(detail::least_radius(region.position), bandwidth.max_radius);
+        const float least =
+            std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
         if (radius < least) return detail::visit_within(map, region, bandwidth.kernel, least, visit);
     } else if (!(radius < infinity)) {
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.

@@ -4,22 +4,32 @@
 
 namespace dapple {
 
-IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, uint32_t stride)
+FindPhotons find_photons_within(const Bandwidth& bandwidth)
+{
+    return [bandwidth](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
+                       std::vector<WeightedPhoton>& found) {
+        found.clear();
+        return visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
+            found.push_back({slot, weight});
+        });
+    };
+}
+
+IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const FindPhotons& find, uint32_t stride)
 {
     const uint32_t count = (map.size() + stride - 1) / stride;
     std::vector<Vec3> positions(count);
     std::vector<IrradianceRecord> records(count);
     parallel_for_ranges(count, 1024, [&](int64_t begin, int64_t end) {
-        NearestPoints nearest(std::max(bandwidth.nearest, 2));
+        NearestPoints nearest(std::max(nearest_count, 2));
+        std::vector<WeightedPhoton> found;
         for (int64_t i = begin; i < end; ++i) {
             const uint32_t slot = static_cast<uint32_t>(i) * stride;
             positions[static_cast<size_t>(i)] = map.position(slot);
             IrradianceRecord& record = records[static_cast<size_t>(i)];
             record.normal = map.normal(slot);
-            const RadianceEstimate estimate =
-                estimate_irradiance(map, {map.position(slot), record.normal}, bandwidth, nearest);
-            record.irradiance = estimate.value;
-            record.radius = estimate.support.radius;
+            record.radius = find(map, {map.position(slot), record.normal}, nearest, found).radius;
+            for (const auto& [photon, weight] : found) record.irradiance += map.flux(photon) * weight;
         }
     });
     std::vector<uint32_t> order;

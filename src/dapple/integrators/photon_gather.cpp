@@ -9,10 +9,12 @@ namespace dapple {
 GatherSettings::GatherSettings(const Settings& settings)
     : radius_pixels(static_cast<float>(settings.number("radius"))),
       fixed_radius(settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"))),
+      caustic_nearest(static_cast<int>(settings.integer("spread"))),
       nearest(static_cast<int>(settings.integer("nearest"))),
       kernel(kernel_named(settings.word("kernel"))),
       max_depth(static_cast<int>(settings.integer("maxdepth")))
 {
+    if (caustic_nearest == 1) throw UserError("setting 'spread' needs 0 or at least 2 photons");
     if (nearest == 1) throw UserError("setting 'nearest' needs 0 or at least 2 photons");
 }
 
@@ -24,22 +26,31 @@ std::string GatherSettings::describe() const
         nearest, kernel_names[static_cast<size_t>(kernel)]);
 }
 
+namespace {
+
+// Scratch space of the thread for each k that is asked for: two or three in a render.
+NearestPoints& nearest_points(int k)
+{
+    thread_local std::vector<NearestPoints> all;
+    for (NearestPoints& nearest : all)
+        if (nearest.k() == std::max(k, 1)) return nearest;
+    return all.emplace_back(k);
+}
+
+}  // namespace
+
 std::vector<WeightedPhoton>& PhotonFinder::scratch()
 {
     thread_local std::vector<WeightedPhoton> scratch;
     return scratch;
 }
 
-EstimateSupport PhotonFinder::find(const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth)
+EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, const PhotonMap& map,
+                                   const Bandwidth& bandwidth)
 {
-    thread_local NearestPoints nearest(2);
-    if (bandwidth.nearest != 0 && nearest.k() != bandwidth.nearest) nearest = NearestPoints(bandwidth.nearest);
     const SurfaceRegion region{vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo),
                                vertex.bsdf.transmits() ? PhotonSide::both : PhotonSide::same};
-    found_.clear();
-    return visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
-        found_.push_back({slot, weight});
-    });
+    return find_covered_photons(world, map, region, bandwidth, nearest_points(bandwidth.nearest), found_);
 }
 
 }  // namespace dapple

@@ -12,17 +12,18 @@
 #include "dapple/density/estimate.h"
 #include "dapple/integrators/photon_maps.h"
 #include "dapple/integrators/pixel_loop.h"
+#include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/connect.h"
-
-#include <utility>
 
 namespace dapple {
 
 // How estimates and gather rays are made. See the table of settings for each (photon_maps.h).
 struct GatherSettings {
-    float radius_pixels = 2.0f;  // of caustic estimates in the first epoch, in pixel footprints
+    float radius_pixels = 2.5f;  // of caustic estimates in the first epoch, in pixel footprints
     float fixed_radius = 0.0f;   // the same [m]; 0: from the footprint
-    int nearest = 50;            // photons per estimate of the global map; 0: all within the caustic radius
+    int caustic_nearest = 8;     // fewer photons than that within the radius: it grows, up to so many times
+    float caustic_growth = 3.0f;
+    int nearest = 50;  // photons per estimate of the global map; 0: all within the caustic radius
     KernelKind kernel = KernelKind::epanechnikov;
     int max_depth = 100;
 
@@ -33,18 +34,21 @@ struct GatherSettings {
     {
         return {nearest, nearest == 0 ? caustic_radius : infinity, kernel};
     }
+    Bandwidth caustic_bandwidth(float radius) const
+    {
+        if (caustic_nearest == 0) return {0, radius, kernel};
+        return {caustic_nearest, radius * caustic_growth, kernel, radius};
+    }
     // One line for reports.
     std::string describe() const;
 };
 
-// A photon of an estimate and its weight [1/m^2].
-using WeightedPhoton = std::pair<uint32_t, float>;  // slot, weight
-
 // Finds the photons of estimates. Uses scratch space of the thread, so that there is one finder per thread at a time.
 class PhotonFinder {
 public:
-    // The photons of the map that take part in an estimate at the vertex are then in found().
-    EstimateSupport find(const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
+    // The photons of the map that take part in an estimate at the vertex are then in found(), with weights that allow
+    // for edges of the surface.
+    EstimateSupport find(const World& world, const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
     const std::vector<WeightedPhoton>& found() const { return found_; }
 
 private:
@@ -81,12 +85,18 @@ public:
     void set_eye_distance(float distance) { eye_distance_ = distance; }
     // What one walk counts among those that are averaged.
     void set_share(float share) { share_ = share; }
+    // Walks start at a D of their own, and what lights its first ray meets is left out: direct light of that D.
+    void begin_at_diffuse()
+    {
+        diffuse_before_ = 1;
+        skip_direct_ = true;
+    }
 
     void add_emission(const Walk& walk, bool weigh)
     {
         const LightId emitter = walk.vertex().emitter;
         if (emitter.valid())
-            sink_.add(met_emission(world_, walk, weigh) * share_, classify(walk.events(), {}),
+            sink_.add(met_emission(world_, walk, weigh) * share_, classify(events(walk), {}),
                       world_.lights.list[emitter.value].group);
     }
 
@@ -94,7 +104,7 @@ public:
     {
         if (!walk.escaped()) return;
         for (LightId light : world_.environments)
-            sink_.add(met_environment(world_, walk, light, weigh) * share_, classify(walk.events(), {}),
+            sink_.add(met_environment(world_, walk, light, weigh) * share_, classify(events(walk), {}),
                       world_.lights.list[light.value].group);
     }
 
@@ -103,15 +113,15 @@ public:
     {
         const DirectLight direct = direct_light(world_, walk, walk.vertex(), weigh, random_);
         if (!direct.found) return;
-        PathEvents events = walk.events();
-        events.add_surface(false);
-        sink_.add(direct.radiance * share_, classify(events, {}), direct.group);
+        PathEvents met = events(walk);
+        met.add_surface(false);
+        sink_.add(direct.radiance * share_, classify(met, {}), direct.group);
     }
 
     EstimateSupport add_caustics(const Walk& walk)
     {
         const EstimateSupport support =
-            finder_.find(walk.vertex(), maps_.caustic, {0, caustic_radius(), settings_.kernel});
+            finder_.find(world_, walk.vertex(), maps_.caustic, settings_.caustic_bandwidth(caustic_radius()));
         add_photons(walk, maps_.caustic);
         return support;
     }
@@ -120,34 +130,62 @@ public:
     EstimateSupport add_map(const Walk& walk)
     {
         const EstimateSupport support =
-            finder_.find(walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius()));
+            finder_.find(world_, walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius()));
         add_photons(walk, maps_.global);
         return support;
     }
 
-    // One gather ray from the vertex of `walk`, until a vertex that the global map can stand for.
-    void follow(Walk walk)
+    // All light that leaves the vertex of an eye path, emission apart: sampled, from the caustic map and by gather
+    // rays.
+    EstimateSupport gather(const Walk& walk, int rays)
     {
+        add_direct(walk);
+        const EstimateSupport support = add_caustics(walk);
+        share_ = 1.0f / static_cast<float>(rays);
+        for (int ray = 0; ray < rays; ++ray) follow(walk);
+        return support;
+    }
+
+    // One gather ray from the vertex of `walk`, until a vertex that the global map can stand for. Returns the distance
+    // of the first surface that it meets [m].
+    float follow(Walk walk)
+    {
+        float first = infinity;
         float since_last = 0.0f;  // way since the last vertex that is no delta
         while (const Vertex* vertex = walk.next(world_, random_)) {
+            if (!(first < infinity)) first = vertex->distance;
             since_last += vertex->distance;
-            // Light met through delta surfaces after a D is a caustic there: the caustic map has it.
-            const bool in_caustic_map = walk.events().diffuse > 0 && walk.events().specular_since_last;
-            if (!in_caustic_map) add_emission(walk, true);
-            if (walk.depth() > settings_.max_depth) return;
+            if (!counted_elsewhere(walk)) add_emission(walk, true);
+            if (walk.depth() > settings_.max_depth) return first;
             if (!vertex->is_delta()) {
                 // What a smooth coat mirrors is seen sharply, as from the eye.
-                if (walk.events().diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last)) return;
+                if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last))
+                    return first;
                 add_direct(walk);
                 add_caustics(walk);
                 since_last = 0.0f;
             }
-            if (!walk.survive_roulette(random_)) return;
+            if (!walk.survive_roulette(random_)) return first;
         }
-        if (!(walk.events().diffuse > 0 && walk.events().specular_since_last)) add_escaped(walk, true);
+        if (!counted_elsewhere(walk)) add_escaped(walk, true);
+        return first;
     }
 
 private:
+    PathEvents events(const Walk& walk) const
+    {
+        PathEvents events = walk.events();
+        events.diffuse = static_cast<uint16_t>(events.diffuse + diffuse_before_);
+        return events;
+    }
+
+    // Light met through delta surfaces after a D is a caustic there: the caustic map has it.
+    bool counted_elsewhere(const Walk& walk) const
+    {
+        const PathEvents met = events(walk);
+        return met.diffuse > 0 && (met.specular_since_last || (skip_direct_ && met.diffuse == 1));
+    }
+
     float caustic_radius() const
     {
         const float first = settings_.fixed_radius > 0.0f
@@ -172,6 +210,8 @@ private:
     const bool light_groups_;
     float eye_distance_ = 0.0f;
     float share_ = 1.0f;
+    int diffuse_before_ = 0;
+    bool skip_direct_ = false;
 };
 
 template <class Sink>
@@ -179,7 +219,7 @@ void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map)
 {
     const Vertex& vertex = walk.vertex();
     const Spectrum throughput = walk.arriving() * share_;
-    const bool first = walk.events().diffuse == 0;
+    const bool first = events(walk).diffuse == 0;
     std::array<Spectrum, path_class_count> by_class{};
     for (const auto& [slot, weight] : finder_.found()) {
         const Vec3 wi = map.direction(slot);
@@ -217,7 +257,7 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
     // A wider estimate would be refused: the search need not look further.
     Bandwidth bandwidth = settings_.global_bandwidth(caustic_radius());
     bandwidth.max_radius = std::min(bandwidth.max_radius, since_last);
-    if (finder_.find(vertex, maps_.global, bandwidth).radius >= since_last) return false;
+    if (finder_.find(world_, vertex, maps_.global, bandwidth).radius >= since_last) return false;
     add_photons(walk, maps_.global);
     return true;
 }

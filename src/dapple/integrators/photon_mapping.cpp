@@ -5,7 +5,7 @@
 //
 // With final gathering the light at the first such vertex x is split as in the paper:
 //   direct      L D S* E    sampled: light sampling and gather rays that meet lights, weighed by MIS
-//   caustic     LS+D S* E   from the caustic map at x, kernel of fixed radius
+//   caustic     LS+D S* E   from the caustic map at x, kernel of a small radius, which widens where photons are few
 //   indirect                gather rays from x; at the second vertex y the global map gives all light that leaves y
 //                           (photon_gather.h).
 // Without it everything but emission comes from the global map at x: fast and blotchy.
@@ -13,7 +13,8 @@
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with the caustic radius of
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
 // footprints. Bias: the blur of the caustic kernel (vanishes with passes) and of the k-nearest estimates of the global
-// map (falls with photons per epoch); exact direct light. Surfaces only.
+// map (falls with photons per epoch); exact direct light. Edges of surfaces are allowed for (surface_coverage.h).
+// Surfaces only.
 #include "dapple/integrators/photon_gather.h"
 #include "dapple/integrators/registry.h"
 
@@ -24,12 +25,13 @@ namespace {
 
 constexpr SettingInfo settings_table[] = {
     {"finalgather", "", "true", "true|false", "gather one bounce away from the photons; false shows the maps directly"},
-    {"gatherrays", "rays", "4", ">= 1", "gather rays per eye path"},
+    {"gatherrays", "rays", "2", ">= 1", "gather rays per eye path"},
     photon_setting::photons,
     photon_setting::caustic_photons,
     photon_setting::epoch,
     photon_setting::radius,
     photon_setting::fixed_radius,
+    photon_setting::spread,
     photon_setting::nearest,
     photon_setting::kernel,
     photon_setting::irradiance,
@@ -77,10 +79,7 @@ private:
                 note_support(sample, gather.add_map(eye));
                 return false;
             }
-            gather.add_direct(eye);
-            note_support(sample, gather.add_caustics(eye));
-            gather.set_share(1.0f / static_cast<float>(gather_rays_));
-            for (int ray = 0; ray < gather_rays_; ++ray) gather.follow(eye);
+            note_support(sample, gather.gather(eye, gather_rays_));
             return true;
         });
     }

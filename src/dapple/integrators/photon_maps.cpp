@@ -3,6 +3,7 @@
 #include "dapple/base/error.h"
 #include "dapple/density/schedule.h"
 #include "dapple/integrators/pixel_loop.h"
+#include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/photon_tracing.h"
 
 namespace dapple {
@@ -18,13 +19,24 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     return out;
 }
 
+IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const Bandwidth& bandwidth)
+{
+    return IrradianceMap(global, bandwidth.nearest,
+                         [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
+                             std::vector<WeightedPhoton>& found) {
+                             return find_covered_photons(world, map, region, bandwidth, nearest, found);
+                         });
+}
+
 }  // namespace
 
 Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, int set, int sets)
 {
     // sample_visible repeats itself every quarter (it takes four stratified wavelengths), so the sets divide a quarter.
-    const float jitter =
-        to_unit_float(hash_words(seed, static_cast<uint64_t>(StreamPurpose::wavelength_set), uint64_t(epoch)));
+    // The golden ratio spreads the epochs evenly between the sets' neighbours.
+    const double start = to_unit_float(hash_words(static_cast<uint64_t>(StreamPurpose::wavelength_set), seed));
+    const double turns = start + double(epoch) * 0.61803398874989485;
+    const float jitter = std::min(static_cast<float>(turns - std::floor(turns)), one_minus_epsilon);
     return choose_wavelengths(model, (static_cast<float>(set) + jitter) / static_cast<float>(sets * Spectrum::lanes));
 }
 
@@ -79,7 +91,8 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             std::vector<std::vector<Photon>> global = trace_photons(context.world, request);
             caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
-            if (plan.precompute_irradiance) map.irradiance = IrradianceMap(map.global, plan.irradiance_bandwidth);
+            if (plan.precompute_irradiance)
+                map.irradiance = irradiance_of(context.world, map.global, plan.irradiance_bandwidth);
         }
         const int64_t caustic_paths = plan.caustic_paths / plan.wavelength_sets;
         if (caustic_paths > 0) {
@@ -116,7 +129,7 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
 {
     PhotonMapPlan plan;
     const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
-    plan.global_paths = paths_ > 0 ? paths_ : std::max<int64_t>(100'000, pixels * epoch_passes_);
+    plan.global_paths = paths_ > 0 ? paths_ : std::clamp<int64_t>(pixels, 100'000, 1'000'000);
     plan.caustic_paths = caustic_paths_ >= 0 ? caustic_paths_ : plan.global_paths;
     if (use_ == MapUse::global_alone) plan.caustic_paths = 0;
     plan.wavelength_sets = film.settings().color_model == ColorModel::rgb ? 1 : wavelength_sets_;
@@ -131,7 +144,7 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
 
 std::shared_ptr<const PhotonEpoch> PhotonEpochs::of(const PassContext& context, const Film& film)
 {
-    const uint32_t index = context.pass / epoch_passes_;
+    const uint32_t index = this->index(context.pass);
     const std::lock_guard lock(mutex_);
     if (epoch_ && epoch_->index == index && epoch_->seed == context.seed) return epoch_;
     epoch_.reset();  // frees the old maps first: memory does not grow with passes

@@ -16,15 +16,18 @@ namespace dapple {
 // Rows for the tables of integrators that use photon maps.
 namespace photon_setting {
 inline constexpr SettingInfo photons{"photons", "light paths", "auto", "> 0",
-                                     "light paths per epoch; auto: four per pixel of the full image"};
+                                     "light paths per epoch; auto: one per pixel of the full image, 100k to 1M"};
 inline constexpr SettingInfo caustic_photons{
     "causticphotons", "light paths", "auto", ">= 0",
     "further light paths per epoch for the caustic map alone; auto: as many as photons"};
 inline constexpr SettingInfo epoch{"epoch", "passes", "4", ">= 1", "passes that share one set of photon maps"};
-inline constexpr SettingInfo radius{"radius", "pixels", "2", "> 0",
+inline constexpr SettingInfo radius{"radius", "pixels", "2.5", "> 0",
                                     "radius of the caustic estimate in the first epoch, in pixel footprints"};
 inline constexpr SettingInfo fixed_radius{
     "fixedradius", "m", "auto", "> 0", "radius of the caustic estimate in the first epoch; auto: from the footprint"};
+inline constexpr SettingInfo spread{
+    "spread", "photons", "8", ">= 0",
+    "caustic estimates with fewer photons widen, up to three times the radius; 0: never"};
 inline constexpr SettingInfo nearest{"nearest", "photons", "50", ">= 0",
                                      "photons per estimate of the global map; 0: all within the caustic radius"};
 inline constexpr SettingInfo kernel{"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman",
@@ -94,6 +97,7 @@ public:
     // Throws UserError where the world has media that photon maps do not know; `integrator` is named there.
     PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator);
 
+    uint32_t index(uint32_t pass) const { return pass / epoch_passes_; }
     // The epoch of the context's pass: a pure function of world, settings, seed and that epoch's number. Thread-safe.
     std::shared_ptr<const PhotonEpoch> of(const PassContext& context, const Film& film);
 

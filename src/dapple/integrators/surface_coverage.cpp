@@ -1,0 +1,130 @@
+#include "dapple/integrators/surface_coverage.h"
+
+#include "dapple/math/hash.h"
+
+namespace dapple {
+namespace {
+
+constexpr int first_points = 16;
+constexpr int further_points = 32;
+constexpr float golden_angle = 2.39996323f;
+constexpr float half_time = 0.5f;
+
+// The nearest surface that is no mere boundary of media.
+bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
+{
+    for (int crossed = 0; crossed < 4; ++crossed) {
+        Hit hit;
+        if (!world.intersect(ray, t_max, hit)) return false;
+        point = world.surface_point(ray, hit);
+        if (!world.has_interfaces) return true;
+        const MaterialId material = resolve_mix(world.materials, world.geometries[hit.geometry].material, point);
+        if (world.materials.list[material.value].kind != Material::Kind::interface) return true;
+        t_max -= hit.t;
+        ray.origin = offset_ray_origin(point.position, point.error, point.n_geometric, ray.direction);
+    }
+    return false;
+}
+
+// Looks at the neighbourhood of one query.
+class Neighbourhood {
+public:
+    Neighbourhood(const World& world, const SurfaceRegion& region, float radius)
+        : world_(world),
+          region_(region),
+          frame_(region.normal),
+          radius_(radius),
+          height_(radius / region.inverse_flatness),
+          eye_(region.position + region.normal * height_)
+    {
+    }
+
+    // Counts points of a spiral of `count` points, turned by `turn`.
+    void count(int count, float turn, KernelKind kernel)
+    {
+        for (int i = 0; i < count; ++i) {
+            const float t = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(count));
+            const float angle = turn + golden_angle * static_cast<float>(i);
+            const float weight = kernel_disc(kernel, t);
+            all_ += weight;
+            const Vec3 offset = (frame_.s * std::cos(angle) + frame_.t * std::sin(angle)) * (t * radius_);
+            SurfacePoint point;
+            if (!meets_surface(region_.position + offset, point)) continue;
+            if (region_.side == PhotonSide::both || sees(point.position))
+                covered_ += weight;
+            else
+                hidden_ = true;
+        }
+    }
+
+    // Whether the way from above the query's point to above a point of the disc is free.
+    bool sees(const Vec3& position) const
+    {
+        const Vec3 to = position + region_.normal * height_ - eye_;
+        const float distance = length(to);
+        if (!(distance > 1e-3f * height_)) return true;
+        SurfacePoint point;
+        return !meet_surface(world_, Ray{eye_, to * (1.0f / distance), half_time}, distance, point);
+    }
+
+    SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
+    bool whole() const { return covered_ == all_; }
+
+private:
+    // Whether photons that count for the query could lie near a point of its tangent plane.
+    bool meets_surface(const Vec3& p, SurfacePoint& point) const
+    {
+        const Ray down{p + region_.normal * height_, -region_.normal, half_time};
+        if (!meet_surface(world_, down, 2.0f * height_, point)) return false;
+        return abs_dot(point.n_geometric, region_.normal) > region_.min_normal_cosine;
+    }
+
+    const World& world_;
+    const SurfaceRegion& region_;
+    const Frame frame_;
+    const float radius_;
+    const float height_;
+    const Vec3 eye_;
+    float all_ = 0.0f;
+    float covered_ = 0.0f;
+    bool hidden_ = false;
+};
+
+Neighbourhood look_around(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel)
+{
+    // Turned by a number that belongs to the place: neighbours do not repeat one another's error.
+    const uint64_t place =
+        hash_words(float_bits(region.position.x), float_bits(region.position.y), float_bits(region.position.z));
+    Neighbourhood neighbourhood(world, region, radius);
+    const float turn = 2.0f * pi * to_unit_float(place);
+    neighbourhood.count(first_points, turn, kernel);
+    if (!neighbourhood.whole()) neighbourhood.count(further_points, turn + 1.0f, kernel);
+    return neighbourhood;
+}
+
+}  // namespace
+
+SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel)
+{
+    return look_around(world, region, radius, kernel).coverage();
+}
+
+EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
+                                     const Bandwidth& bandwidth, NearestPoints& nearest,
+                                     std::vector<WeightedPhoton>& found)
+{
+    found.clear();
+    const EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
+        found.push_back({slot, weight});
+    });
+    if (found.empty()) return support;
+    const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel);
+    const SurfaceCoverage coverage = neighbourhood.coverage();
+    if (coverage.something_hidden)
+        std::erase_if(found, [&](const WeightedPhoton& p) { return !neighbourhood.sees(map.position(p.first)); });
+    if (coverage.share < 1.0f)
+        for (WeightedPhoton& photon : found) photon.second /= coverage.share;
+    return support;
+}
+
+}  // namespace dapple
