@@ -11,6 +11,7 @@ std::span<const IntegratorEntry> integrator_registry()
     static const std::vector<IntegratorEntry> entries = {path_tracing_entry,
                                                          light_tracing_entry,
                                                          photon_mapping_entry,
+                                                         irradiance_caching_entry,
                                                          progressive_photon_mapping_entry,
                                                          photon_splatting_entry,
                                                          bdpt_entry,

@@ -1,0 +1,144 @@
+// Irradiance caching: photon mapping whose final gathering is done at few points of matte surfaces and interpolated in
+// between, with gradients.
+// Ward et al. 1988; Ward and Heckbert 1992; Krivanek et al. 2005 and 2006; Tabellion and Lamorlette 2004: see
+// density/irradiance_cache.h for weights and error metric, density/hemisphere.h for gradients, cache_overture.h for
+// where records are made.
+//
+// At the first vertex x that is no delta, direct light (by light sampling alone) and caustics are as in photonmap; if x
+// is matte, its indirect light is reflectance / pi times the cached irradiance E. Other surfaces, and places where
+// light changes within a pixel or two, gather as photonmap does. Where lights are in groups, all surfaces do:
+// irradiance does not remember which light it came from.
+//
+// Progressive: every epoch has new maps and a new cache, so that the noise of records averages out, and its accuracy
+// falls as the caustic radius does. With four wavelength sets a record has an irradiance of each, from a quarter of its
+// rays, and a pixel takes all four in turn: no tint. Bias: that of photonmap, and of interpolation (second order in the
+// accuracy). Records are made at one instant each; what moves is blurred. Cost: a record takes `cacherays` gather rays,
+// an eye path only its direct light, some 300 ns for the look-up, and no gather ray.
+#include "dapple/integrators/cache_overture.h"
+#include "dapple/integrators/registry.h"
+
+#include <fmt/format.h>
+
+namespace dapple {
+namespace {
+
+constexpr SettingInfo settings_table[] = {
+    {"accuracy", "", "0.2", "> 0 and <= 1",
+     "error bound: how far a record reaches, over the distance of what it sees; smaller is slower"},
+    {"cacherays", "rays", "256", ">= 16", "gather rays per record, all wavelength sets together"},
+    {"gatherrays", "rays", "2", ">= 1", "gather rays per eye path where the cache does not serve"},
+    photon_setting::photons,
+    photon_setting::caustic_photons,
+    {"epoch", "passes", "16", ">= 1", "passes that share photon maps and cache"},
+    photon_setting::radius,
+    photon_setting::fixed_radius,
+    photon_setting::spread,
+    photon_setting::nearest,
+    photon_setting::kernel,
+    photon_setting::irradiance,
+    photon_setting::wavelength_sets,
+    photon_setting::max_depth,
+    photon_setting::memory,
+};
+
+class IrradianceCaching final : public Integrator {
+public:
+    IrradianceCaching(const World& world, const Settings& settings)
+        : overture_{static_cast<int>(settings.integer("cacherays")), static_cast<float>(settings.number("accuracy"))},
+          gather_rays_(static_cast<int>(settings.integer("gatherrays"))),
+          gather_settings_(settings),
+          epochs_(world, settings, MapUse::global_and_caustic, "irradiancecache")
+    {
+    }
+
+    void render_pass(const PassContext& context, Film& film) override
+    {
+        const std::shared_ptr<const CachedEpoch> epoch = epoch_of(context, film);
+        const int sets = static_cast<int>(epoch->photons->maps.size());
+        const auto set_of = [&](Int2 pixel) { return set_of_pixel(pixel, context.pass, sets); };
+        for_each_pixel(
+            context, film,
+            [&](Int2 pixel, RandomStream&) {
+                return epoch->photons->maps[static_cast<size_t>(set_of(pixel))].wavelengths;
+            },
+            [&](EyeSample& sample) { trace(context.world, *epoch, set_of(sample.pixel), sample); });
+    }
+
+    std::vector<std::string> report() const override
+    {
+        return {gather_settings_.describe(),
+                fmt::format("irradiance cached to an accuracy of {}, {} gather rays per record", overture_.accuracy,
+                            overture_.rays)};
+    }
+
+private:
+    struct CachedEpoch {
+        std::shared_ptr<const PhotonEpoch> photons;
+        IrradianceCache cache;
+        bool use_cache = true;
+    };
+
+    // A pure function of the epoch, kept until another is asked for.
+    std::shared_ptr<const CachedEpoch> epoch_of(const PassContext& context, const Film& film)
+    {
+        const std::lock_guard lock(mutex_);
+        const auto is_current = [&] {
+            return epoch_->photons->index == epochs_.index(context.pass) && epoch_->photons->seed == context.seed;
+        };
+        if (epoch_ && is_current()) return epoch_;
+        epoch_.reset();  // frees the old maps before new ones are made
+        std::shared_ptr<const PhotonEpoch> photons = epochs_.of(context, film);
+        auto made = std::make_shared<CachedEpoch>();
+        made->use_cache = film.settings().light_groups.empty();
+        if (made->use_cache) made->cache = make_irradiance_cache(context, film, *photons, gather_settings_, overture_);
+        made->photons = std::move(photons);
+        if (!context.cancelled()) epoch_ = made;
+        return made;
+    }
+
+    void trace(const World& world, const CachedEpoch& epoch, int set, EyeSample& sample) const
+    {
+        const PhotonMapSet& maps = epoch.photons->maps[static_cast<size_t>(set)];
+        PhotonGather<const EyeSample> gather(gather_settings_, world, maps, epoch.photons->shrinkage,
+                                             sample.sums.light_groups() > 0, sample.random, sample);
+        follow_eye(world, sample, gather_settings_.max_depth, gather, [&](const Walk& eye, float) {
+            const Vertex& vertex = eye.vertex();
+            Spectrum irradiance;
+            if (!epoch.use_cache || !is_cached(vertex) ||
+                epoch.cache.look_up(vertex.at.position, cache_normal(vertex), set, irradiance) !=
+                    IrradianceCache::Answer::value) {
+                note_support(sample, gather.gather(eye, gather_rays_));
+                return true;
+            }
+            gather.add_direct(eye, false);
+            note_support(sample, gather.add_caustics(eye));
+            sample.add(eye.arriving() * vertex.bsdf.a * irradiance * inv_pi, PathClass::indirect, LightGroup(0u));
+            return true;
+        });
+    }
+
+    OvertureSettings overture_;
+    int gather_rays_;
+    GatherSettings gather_settings_;
+    PhotonEpochs epochs_;
+
+    std::mutex mutex_;
+    std::shared_ptr<const CachedEpoch> epoch_;
+};
+
+std::unique_ptr<Integrator> create(const World& world, const Settings& settings)
+{
+    return std::make_unique<IrradianceCaching>(world, settings);
+}
+
+}  // namespace
+
+extern const IntegratorEntry irradiance_caching_entry{
+    "irradiancecache",
+    "irradiance caching: photon mapping with final gathering at few points of matte surfaces, interpolated",
+    settings_table,
+    false,
+    true,
+    create};
+
+}  // namespace dapple
