@@ -30,6 +30,8 @@ struct Bias {
 };
 constexpr Bias biases[] = {
     {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics, loss of the global estimate at edges of surfaces"},
+    {"sppm", 0.08, 0.03, "blur of three pixels at 32: indirect light at edges of surfaces, caustics"},
+    {"photonsplat", 0.08, 0.03, "as sppm"},
 };
 
 struct Exception {

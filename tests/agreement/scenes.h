@@ -21,11 +21,13 @@ inline TestScene agreement_scene(const std::string& name)
     return TestScene::from_file(std::filesystem::path(DAPPLE_AGREEMENT_SCENES) / (name + ".pbrt"));
 }
 
-// One set of photon maps for all passes of a batch.
+// One set of photon maps for all passes of a batch, or photons for each pass.
 inline SettingList small_settings(const std::string& integrator, uint32_t passes)
 {
-    const SettingList wanted = {
-        {"photons", "20000"}, {"causticphotons", "20000"}, {"epoch", std::to_string(passes)}, {"gatherrays", "2"}};
+    const SettingList wanted = {{"photons", has_setting(integrator, "epoch") ? "20000" : "5000"},
+                                {"causticphotons", "20000"},
+                                {"epoch", std::to_string(passes)},
+                                {"gatherrays", "2"}};
     SettingList known;
     for (const auto& setting : wanted)
         if (has_setting(integrator, setting.first)) known.push_back(setting);

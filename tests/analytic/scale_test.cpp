@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 namespace dapple::testing {
@@ -76,6 +77,31 @@ TEST_P(Scale, DoesNotShowInThePicture)
             const Estimate a = channel_estimate(images[1.0], c);
             EXPECT_LT(a.error / a.mean, 0.02) << "too noisy to tell";
         }
+}
+
+// Radii and photon counts that nobody gave follow the scene: the same seed makes the same picture, but for rounding,
+// which now and then turns a path away.
+TEST_P(Scale, KeepsThePictureOfASeedWithoutSettings)
+{
+    if (!has_setting(GetParam(), "radius")) GTEST_SKIP() << GetParam() << " has no radius";
+    const auto picture = [&](double s) {
+        RenderRequest request;
+        request.integrator = GetParam();
+        request.passes = 1;
+        request.color_model = ColorModel::rgb;
+        return TestScene::from_text(room(s)).render(request).beauty;
+    };
+    const Image wanted = picture(1.0);
+    double sum = 0;
+    for (float v : wanted.pixels) sum += v;
+    for (double s : {1e-3, 1e3}) {
+        const Image image = picture(s);
+        double difference = 0;
+        for (size_t i = 0; i < image.pixels.size(); ++i)
+            difference += std::abs(double(image.pixels[i]) - wanted.pixels[i]);
+        fmt::print("[ measured ] {} at scale {}: {:.2g} of the light differs\n", GetParam(), s, difference / sum);
+        EXPECT_LT(difference, 0.01 * sum) << s;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, Scale, ::testing::ValuesIn(integrator_names()),

@@ -3,7 +3,7 @@
 // photon splatting for global illumination" (there in image space); with the radii of progressive photon mapping.
 // The dual of sppm: the same visible points and the same photons in the same estimate (visible_points.h), with the
 // loops exchanged. What differs is memory: photons are never stored, so any number of them takes no more, but visible
-// points are (sizeof(VisiblePoint) = 272 bytes each, one or little more per pixel). And a photon adds to the film
+// points are (224 bytes and 28 of the index each, one or little more per pixel). And a photon adds to the film
 // itself, whose exact sums are the same in any order.
 // The index: visible points are sorted by the power of two of their radius, and each such level has a hash grid (times
 // wavelength sets). Bias, rate of error and speed: as sppm.
@@ -123,8 +123,8 @@ public:
 
     void render_pass(const PassContext& context, Film& film) override
     {
-        const std::vector<PassSet> sets =
-            settings_.sets_of_pass(context, film.settings().color_model, settings_.paths(film.resolution()));
+        const std::vector<PassSet> sets = settings_.sets_of_pass(
+            context, film.settings().color_model, settings_.paths(film.resolution(), film.settings().color_model));
         std::vector<VisiblePoints> points;
         const int rows = film.settings().crop_max.y - film.settings().crop_min.y;
         for (size_t i = 0; i < sets.size(); ++i) points.emplace_back(rows);

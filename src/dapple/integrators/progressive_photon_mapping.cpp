@@ -5,10 +5,10 @@
 // Finds all light that reaches a surface, SDS paths included, through kernel estimates:
 //   L(y, wo) = sum_p f(wi_p, wo) (1 - s(wi_p)) flux_p K(d_p / r_i) / r_i^2 / paths.
 // Bias: the blur of the kernel, which fades as r_i^2 ~ i^(a - 1); mean squared error falls as i^(-2/3) for a = 2/3.
-// Direct light and what is seen by way of mirrors and narrow lobes is unbiased. Cost of a pass: a light path and an eye
-// path per pixel and the sorting of some five photons per light path (31 bytes each).
-// Left out: a test of uniformity that chooses radii (Lin et al. 2020, CPPM) needs statistics per pixel over passes, so
-// that passes would neither be pure functions nor add up in any order.
+// Direct light and what is seen by way of mirrors and narrow lobes is unbiased. Cost of a pass: an eye
+// path per pixel and a light path per pixel and wavelength set, and the sorting of some five photons per light path (31
+// bytes each). Left out: a test of uniformity that chooses radii (Lin et al. 2020, CPPM) needs statistics per pixel
+// over passes, so that passes would neither be pure functions nor add up in any order.
 #include "dapple/density/estimate.h"
 #include "dapple/integrators/registry.h"
 #include "dapple/integrators/visible_points.h"
@@ -68,7 +68,7 @@ public:
 private:
     int64_t paths(const PassContext& context, const Film& film) const
     {
-        const int64_t wanted = settings_.paths(film.resolution());
+        const int64_t wanted = settings_.paths(film.resolution(), film.settings().color_model);
         if (memory_ == 0) return wanted;
         PhotonMapPlan plan;
         plan.global_paths = wanted;

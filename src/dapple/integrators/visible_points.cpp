@@ -54,9 +54,9 @@ VisiblePointSettings::VisiblePointSettings(const World& world, const Settings& s
             fmt::format("{} does not know media that scatter or emit yet; use path or lightpath", integrator));
 }
 
-int64_t VisiblePointSettings::paths(Int2 resolution) const
+int64_t VisiblePointSettings::paths(Int2 resolution, ColorModel model) const
 {
-    return paths_ > 0 ? paths_ : std::max<int64_t>(25'000, int64_t(resolution.x) * resolution.y);
+    return paths_ > 0 ? paths_ : std::max<int64_t>(25'000, int64_t(resolution.x) * resolution.y * sets(model));
 }
 
 std::vector<PassSet> VisiblePointSettings::sets_of_pass(const PassContext& context, ColorModel model,
@@ -93,9 +93,9 @@ std::vector<std::string> VisiblePointSettings::describe(const World& world) cons
             radius_pixels_, first_radius(world.camera, 0.5f * scene_size(world)), 0.5f * scene_size(world)));
     lines.push_back(fmt::format("squared radii fall as pass^({:.3g} - 1), {} kernel", alpha_,
                                 kernel_names[static_cast<size_t>(kernel_)]));
-    const int64_t auto_paths = paths(world.camera.resolution);
     lines.push_back(paths_ > 0 ? fmt::format("{} light paths per pass, as given", paths_)
-                               : fmt::format("{} light paths per pass, as many as pixels", auto_paths));
+                               : std::string("a light path per wavelength set and pixel of the full image in each "
+                                             "pass, at least 25000"));
     if (moving_) lines.push_back("shapes move: each pass shows them at a few times, and passes average these");
     return lines;
 }

@@ -35,9 +35,11 @@ namespace dapple {
 
 // Rows for the tables of integrators with visible points.
 namespace visible_point_setting {
-inline constexpr SettingInfo photons{"photons", "light paths", "auto", "> 0",
-                                     "light paths per pass; auto: one per pixel of the full image, at least 25000"};
-inline constexpr SettingInfo radius{"radius", "pixels", "2", "> 0",
+inline constexpr SettingInfo photons{
+    "photons", "light paths", "auto", "> 0",
+    "light paths per pass; auto: one per wavelength set and pixel of the full image, at least "
+    "25000"};
+inline constexpr SettingInfo radius{"radius", "pixels", "3", "> 0",
                                     "radius of the estimates in the first pass, in pixel footprints"};
 inline constexpr SettingInfo fixed_radius{"fixedradius", "m", "auto", "> 0",
                                           "radius of the estimates in the first pass; auto: from the footprint"};
@@ -73,7 +75,7 @@ public:
     KernelKind kernel() const { return kernel_; }
     int max_depth() const { return max_depth_; }
     // Light paths of a pass, all sets together.
-    int64_t paths(Int2 resolution) const;
+    int64_t paths(Int2 resolution, ColorModel model) const;
     int sets(ColorModel model) const { return model == ColorModel::rgb ? 1 : wavelength_sets_; }
     // r_i^2 / r_1^2 of pass 0, 1, ...
     double shrinkage(uint32_t pass) const { return progressive_shrinkage(int64_t(pass) + 1, alpha_); }

@@ -11,7 +11,7 @@ namespace {
 TEST(HashGrid, FindsWhatBruteForceFinds)
 {
     for (const NamedCloud& cloud : test_clouds()) {
-        for (const float radius : {1e-4f, 0.03f, 0.2f, 3.0f, 1e6f}) {
+        for (const float radius : {1e-44f, 1e-30f, 1e-12f, 1e-4f, 0.03f, 0.2f, 3.0f, 1e6f, 1e30f, infinity}) {
             const HashGrid grid(cloud.points, radius);
             ASSERT_EQ(grid.size(), cloud.points.size());
             for (const Vec3& q : test_queries(cloud.points)) {
