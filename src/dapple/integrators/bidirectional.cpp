@@ -91,6 +91,18 @@ public:
             [&](EyeSample& sample) { BidirectionalEyePath(plan, context.world, subpaths, sample).trace(); });
     }
 
+    bool record_techniques(TechniqueFilms& films) override
+    {
+        plan_.techniques = &films;
+        return true;
+    }
+
+    // Merging blurs over the square of its radius.
+    double bias_scale(uint32_t pass) const override
+    {
+        return plan_.merging ? progressive_shrinkage(int64_t(pass) + 1) : 0.0;
+    }
+
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines;

@@ -45,9 +45,11 @@ void splat_light_path(const PassContext& context, Film& film, const Bidirectiona
         const float weight = static_cast<float>(1.0 / (1.0 + others));
         PathEvents events = light.events;
         count(events, vertex);
-        const Vec3 rgb = sensor.to_rgb(seen.contribution * (scale * weight), start.wavelengths);
-        for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin))
-            film.splat(raster, rgb, classify({}, events), light.light_group);
+        const Vec3 rgb = sensor.to_rgb(seen.contribution * scale, start.wavelengths);
+        for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin)) {
+            film.splat(raster, rgb * weight, classify({}, events), light.light_group);
+            if (plan.techniques) plan.techniques->splat(raster, rgb, weight, {light.depth + 1, 1});
+        }
     }
 }
 
@@ -61,6 +63,15 @@ BidirectionalEyePath::BidirectionalEyePath(const BidirectionalPlan& plan, const 
       path_(subpaths.path_of(sample.pixel)),
       start_(subpaths.start(path_))
 {
+    if (plan.techniques) record_.emplace(*plan.techniques, sample.pixel);
+}
+
+void BidirectionalEyePath::add(const Spectrum& estimate, double weight, PathClass path_class, LightGroup group,
+                               const Technique& technique)
+{
+    const Vec3 rgb = sample_.colors.to_rgb(estimate) * sample_.filter_weight;
+    sample_.sums.add(rgb * static_cast<float>(weight), path_class, group);
+    if (record_) record_->add(rgb, static_cast<float>(weight), technique);
 }
 
 void BidirectionalEyePath::trace()
@@ -71,7 +82,7 @@ void BidirectionalEyePath::trace()
     while (const Vertex* vertex = eye_.next(world_, sample_.random)) {
         if (plan_.first_vertex_only && eye_.events().diffuse > 0) return;
         guides.see(*vertex);
-        if (!eye_.medium_emission().is_black()) sample_.add(eye_.medium_emission(), PathClass::volume, LightGroup(0u));
+        if (!eye_.medium_emission().is_black()) add_medium_emission();
         if (!arrive()) return;
         add_emission();
         if (eye_.depth() > plan_.max_depth) return;
@@ -84,8 +95,14 @@ void BidirectionalEyePath::trace()
         if (plan_.first_vertex_only && !vertex->has_delta_lobe()) return;
         if (eye_.depth() > 1 && !eye_.survive_roulette(sample_.random)) return;
     }
-    if (!eye_.medium_emission().is_black()) sample_.add(eye_.medium_emission(), PathClass::volume, LightGroup(0u));
+    if (!eye_.medium_emission().is_black()) add_medium_emission();
     if (eye_.escaped() && !(plan_.first_vertex_only && eye_.events().diffuse > 0)) add_environment();
+}
+
+// Found by eye paths alone.
+void BidirectionalEyePath::add_medium_emission()
+{
+    add(eye_.medium_emission(), 1.0, PathClass::volume, LightGroup(0u), {0, eye_.depth() + 1});
 }
 
 PathEvents BidirectionalEyePath::events_at_vertex() const
@@ -118,11 +135,11 @@ bool BidirectionalEyePath::arrive()
 
 // s = 0. direct: density of light sampling, emission: of a light path that starts along the last ray reversed; both
 // per area of the light where it has one.
-float BidirectionalEyePath::met_weight(const SubpathWeights& weights, double direct, double emission) const
+double BidirectionalEyePath::met_weight(const SubpathWeights& weights, double direct, double emission) const
 {
-    if (!rules_.emission) return 1.0f;
+    if (!rules_.emission) return 1.0;
     const double others = (rules_.direct ? rules_.m(direct) * weights.d_vcm : 0.0) + rules_.m(emission) * weights.d_vc;
-    return static_cast<float>(1.0 / (1.0 + others));
+    return 1.0 / (1.0 + others);
 }
 
 void BidirectionalEyePath::add_emission()
@@ -132,7 +149,7 @@ void BidirectionalEyePath::add_emission()
     if (!id.valid()) return;
     const Spectrum radiance = met_emission(world_, eye_, false);
     if (radiance.is_black()) return;
-    float weight = 1.0f;
+    double weight = 1.0;
     if (eye_.depth() > 1) {
         const Vec3& n = vertex.at.n_geometric;
         const EmissionDensity emission =
@@ -144,7 +161,7 @@ void BidirectionalEyePath::add_emission()
         weight =
             met_weight(weights_, probability * direct, probability * emission.position * double(emission.direction));
     }
-    sample_.add(radiance * weight, classify(eye_.events(), {}), world_.lights.list[id.value].group);
+    add(radiance, weight, classify(eye_.events(), {}), world_.lights.list[id.value].group, {0, eye_.depth() + 1});
 }
 
 void BidirectionalEyePath::add_environment()
@@ -157,10 +174,10 @@ void BidirectionalEyePath::add_environment()
         const EmissionDensity emission =
             emission_density(world_.lights, id, start_.time, Vec3(0.0f), Vec3(0.0f), -towards);
         const double direct = direct_pdf_environment(world_.lights, id, towards);
-        const float weight =
+        const double weight =
             met_weight(weights, probability * direct, probability * emission.position * double(emission.direction));
-        sample_.add(met_environment(world_, eye_, id, false) * weight, classify(eye_.events(), {}),
-                    world_.lights.list[id.value].group);
+        add(met_environment(world_, eye_, id, false), weight, classify(eye_.events(), {}),
+            world_.lights.list[id.value].group, {0, eye_.depth() + 2});
     }
 }
 
@@ -191,8 +208,8 @@ void BidirectionalEyePath::join_light()
     const double met =
         rules_.emission && can_be_met(light) ? rules_.m(c.scattering.pdf / (double(c.probability) * direct_pdf)) : 0.0;
     const double others = met + side_sum(rules_, weights_, to_here, back, eta_, joins_before());
-    sample_.add(c.value * static_cast<float>(1.0 / (density * (1.0 + others))), classify(events_at_vertex(), {}),
-                light.group);
+    add(c.value * (1.0f / density), 1.0 / (1.0 + others), classify(events_at_vertex(), {}), light.group,
+        {1, eye_.depth() + 1});
 }
 
 // s, t >= 2.
@@ -222,8 +239,8 @@ void BidirectionalEyePath::join(const LightVertex& light)
     if (!(density > 0.0f)) return;
     PathEvents light_events = light.events;
     count(light_events, y);
-    sample_.add(value * through.value * static_cast<float>(1.0 / (density * (1.0 + others))),
-                classify(events_at_vertex(), light_events), light.light_group);
+    add(value * through.value * (1.0f / density), 1.0 / (1.0 + others), classify(events_at_vertex(), light_events),
+        light.light_group, {light.depth + 1, eye_.depth() + 1});
 }
 
 void BidirectionalEyePath::merge()
@@ -254,9 +271,8 @@ void BidirectionalEyePath::merge()
             merged_side_sum(rules_, weights_, pdf(vertex.bsdf, wi, vertex.wo, TransportMode::radiance), eta,
                             joins_before());
         const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale;
-        sample_.add(carried.throughput * f * photon.throughput *
-                        (kernel * cosines * static_cast<float>(1.0 / (1.0 + others)) / density),
-                    classify(events, photon.events), photon.light_group);
+        add(carried.throughput * f * photon.throughput * (kernel * cosines / density), 1.0 / (1.0 + others),
+            classify(events, photon.events), photon.light_group, {photon.depth + 1, eye_.depth() + 1, true});
     });
     if (sample_.sums.radius == 0.0f) {
         sample_.sums.radius = radius;

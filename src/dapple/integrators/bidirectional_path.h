@@ -5,7 +5,10 @@
 #include "dapple/density/kernels.h"
 #include "dapple/integrators/light_subpaths.h"
 #include "dapple/integrators/pixel_loop.h"
+#include "dapple/integrators/technique_films.h"
 #include "dapple/transport/connect.h"
+
+#include <optional>
 
 namespace dapple {
 
@@ -16,6 +19,7 @@ struct BidirectionalPlan {
     bool first_vertex_only = false;  // eye paths end with their first vertex that is no delta
     int max_depth = 100;
     KernelKind kernel = KernelKind::epanechnikov;  // of merging
+    TechniqueFilms* techniques = nullptr;          // where each technique is recorded by itself, if at all
 };
 
 // Adds the light vertices of one path to the film, as the camera sees them (t = 1).
@@ -31,11 +35,14 @@ public:
     void trace();
 
 private:
+    void add(const Spectrum& estimate, double weight, PathClass path_class, LightGroup group,
+             const Technique& technique);
     PathEvents events_at_vertex() const;
     SubpathStep step(int depth_before) const;
     bool joins_before() const;
     bool arrive();
-    float met_weight(const SubpathWeights& weights, double direct, double emission) const;
+    double met_weight(const SubpathWeights& weights, double direct, double emission) const;
+    void add_medium_emission();
     void add_emission();
     void add_environment();
     void join_light();
@@ -52,6 +59,7 @@ private:
     Walk eye_;
     SubpathWeights weights_;  // at the current vertex
     double eta_ = 0.0;        // of merging there
+    std::optional<TechniqueFilms::Sample> record_;
 };
 
 }  // namespace dapple

@@ -32,11 +32,15 @@ struct PassContext {
     bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
 };
 
+class TechniqueFilms;
+
 class Integrator {
 public:
     virtual ~Integrator() = default;
     // Adds pass context.pass to the film (without calling film.end_pass()).
     virtual void render_pass(const PassContext& context, Film& film) = 0;
+    // From now on what each technique brings goes to these films too; false when the algorithm has no techniques.
+    virtual bool record_techniques(TechniqueFilms& /*films*/) { return false; }
     // One line each: what the settings resolved to for this world ("radius 3.2 mm from the pixel footprint", ...).
     virtual std::vector<std::string> report() const { return {}; }
     // Passes in a row that share what they trace (photon maps of an epoch, say) and are therefore no independent
