@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace dapple::testing {
 namespace {
 
@@ -48,6 +50,35 @@ TEST(PhotonMapping, BiasFallsWithRadiusAndPhotons)
     fmt::print("[ measured ] squared bias of blocks: coarse {:.3g}, fine {:.3g}\n", coarse, fine);
     EXPECT_GT(coarse, 0);
     EXPECT_LT(fine, coarse / 4);
+}
+
+// The mean of the picture is that of the same gathering without a cache, within 1 %.
+TEST(IrradianceCaching, HasTheMeanOfGatheringWithoutACache)
+{
+    for (const char* name : {"diffuse_room", "smooth_normals"}) {
+        const TestScene scene = agreement_scene(name);
+        const auto render = [&](const char* integrator, const char* rays) {
+            RenderRequest request;
+            request.integrator = integrator;
+            request.color_model = ColorModel::rgb;
+            request.passes = 16;
+            request.seed = 50;
+            request.settings = {{"photons", "30000"}, {"causticphotons", "0"}, {"epoch", "8"}, {"gatherrays", rays}};
+            return scene.render_batches(request, 8);
+        };
+        const std::vector<Image> plain = render("photonmap", "8"), cached = render("irradiancecache", "2");
+        for (int c = 0; c < 3; ++c) {
+            const Estimate p = channel_estimate(plain, c), q = channel_estimate(cached, c);
+            const double error = std::hypot(p.error, q.error) / p.mean;
+            fmt::print("[ measured ] {}, channel {}: cached / uncached {:.4f} +- {:.4f}\n", name, c, q.mean / p.mean,
+                       error);
+            EXPECT_LT(error, 0.0025) << "too noisy to tell";
+            EXPECT_NEAR(q.mean / p.mean, 1.0, 0.01);
+        }
+        // One block in the middle, where interpolation has most to say.
+        const Estimate p = region_estimate(plain, 1, 12, 16, 16, 20), q = region_estimate(cached, 1, 12, 16, 16, 20);
+        EXPECT_NEAR(q.mean / p.mean, 1.0, 0.03);
+    }
 }
 
 }  // namespace

@@ -4,16 +4,16 @@
 // density/irradiance_cache.h for weights and error metric, density/hemisphere.h for gradients, cache_overture.h for
 // where records are made.
 //
-// At the first vertex x that is no delta, direct light (by light sampling alone) and caustics are as in photonmap; if x
-// is matte, its indirect light is reflectance / pi times the cached irradiance E. Other surfaces, and places where
-// light changes within a pixel or two, gather as photonmap does. Where lights are in groups, all surfaces do:
-// irradiance does not remember which light it came from.
+// At the first vertex x that is no delta, direct light (a light sample and a ray, weighed by MIS) and caustics are as
+// in photonmap; if x is matte, its indirect light is reflectance / pi times the cached irradiance E. Other surfaces,
+// and places where light changes within a pixel or two, gather as photonmap does. Where lights are in groups, all
+// surfaces do: irradiance does not remember which light it came from.
 //
 // Progressive: every epoch has new maps and a new cache, so that the noise of records averages out, and its accuracy
 // falls as the caustic radius does. With four wavelength sets a record has an irradiance of each, from a quarter of its
 // rays, and a pixel takes all four in turn: no tint. Bias: that of photonmap, and of interpolation (second order in the
 // accuracy). Records are made at one instant each; what moves is blurred. Cost: a record takes `cacherays` gather rays,
-// an eye path only its direct light, some 300 ns for the look-up, and no gather ray.
+// an eye path only its direct light and the look-up: of its one ray it asks nothing but whether a light is there.
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
 
@@ -110,7 +110,8 @@ private:
                 note_support(sample, gather.gather(eye, gather_rays_));
                 return true;
             }
-            gather.add_direct(eye, false);
+            gather.add_direct(eye);
+            gather.add_direct_met(eye);
             note_support(sample, gather.add_caustics(eye));
             sample.add(eye.arriving() * vertex.bsdf.a * irradiance * inv_pi, PathClass::indirect, LightGroup(0u));
             return true;

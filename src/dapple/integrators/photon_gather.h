@@ -108,14 +108,23 @@ public:
                       world_.lights.list[light.value].group);
     }
 
-    // weigh: whether scattering samples the same light, too.
-    void add_direct(const Walk& walk, bool weigh = true)
+    // By light sampling, with the MIS weight against what gather rays (or add_direct_met) meet.
+    void add_direct(const Walk& walk)
     {
-        const DirectLight direct = direct_light(world_, walk, walk.vertex(), weigh, random_);
+        const DirectLight direct = direct_light(world_, walk, walk.vertex(), true, random_);
         if (!direct.found) return;
         PathEvents met = events(walk);
         met.add_surface(false);
         sink_.add(direct.radiance * share_, classify(met, {}), direct.group);
+    }
+
+    // By one ray that scattering chooses: the other half of add_direct, where no gather rays are followed.
+    void add_direct_met(Walk walk)
+    {
+        if (walk.next(world_, random_))
+            add_emission(walk, true);
+        else
+            add_escaped(walk, true);
     }
 
     EstimateSupport add_caustics(const Walk& walk)
