@@ -166,9 +166,9 @@ Shape "bilinearmesh" "point3 P" [-1 -1 3  -1 1 3  1 -1 3  1 1 3]
             EXPECT_GT(sum_of(rendered.beauty), 0.0);
     }
     EXPECT_EQ(radii[0], radii[1]);
-    // Three footprints of 0.1 in the first pass; then smaller ones, the fourth at 0.824 of it.
-    EXPECT_GT(radii[0][0], 0.82 * 0.3);
-    EXPECT_LT(radii[0][0], 0.3);
+    // 0.7 footprints of 0.1 in the first pass; then smaller ones, the fourth at 0.824 of it.
+    EXPECT_GT(radii[0][0], 0.82 * 0.07);
+    EXPECT_LT(radii[0][0], 0.07);
 }
 
 TEST_P(Progressive, SurvivesAnyRadius)
