@@ -29,9 +29,11 @@ struct Bias {
     std::string_view reason;
 };
 constexpr Bias biases[] = {
-    {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics, loss of the global estimate at edges of surfaces"},
+    {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics and of the global estimate"},
+    {"irradiancecache", 0.06, 0.03, "as photonmap, and interpolation of irradiance"},
     {"sppm", 0.08, 0.03, "blur of three pixels at 32: indirect light at edges of surfaces, caustics"},
     {"photonsplat", 0.08, 0.03, "as sppm"},
+    {"vcm", 0.06, 0.02, "blur of two pixels at 24 to 32 pixels where merging outweighs joining: caustics"},
 };
 
 struct Exception {
