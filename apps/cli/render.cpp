@@ -110,6 +110,17 @@ scene::Description read_changed_scene(const RenderOptions& options)
     return description;
 }
 
+// The files asked for, or the one that the scene names, in the folder of the command.
+std::vector<std::string> outputs_of(const RenderOptions& options, const RenderStart& start,
+                                    const scene::Description& description)
+{
+    if (!options.outputs.empty()) return options.outputs;
+    const std::string stem = std::filesystem::path(description.film.filename).stem().string();
+    const std::vector<std::string> outputs = {(std::filesystem::path(start.folder) / (stem + ".exr")).string()};
+    check_output_paths(outputs);
+    return outputs;
+}
+
 // Where checkpoints go; none if the path is empty.
 CheckpointPlan checkpoint_plan(const RenderOptions& options, const RenderStart& start, const std::string& first_output)
 {
@@ -197,13 +208,7 @@ int render(const RenderOptions& options, const RenderStart& start)
                 : choose_integrator(description.integrator, options.integrator, split_definitions(options.definitions));
     for (const std::string& note : choice.notes) log_warning("{}", note);
 
-    std::vector<std::string> outputs = options.outputs;
-    if (outputs.empty()) {
-        outputs = {
-            (std::filesystem::path(start.folder) / std::filesystem::path(description.film.filename).stem()).string() +
-            ".exr"};
-        check_output_paths(outputs);
-    }
+    const std::vector<std::string> outputs = outputs_of(options, start, description);
     const StopRule stop = stop_rule(options, description);
     const int scene_seed = description.sampler.seed.value_or(description.options.seed);
 

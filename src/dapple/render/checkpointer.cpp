@@ -23,6 +23,8 @@ Checkpointer::Checkpointer(CheckpointPlan plan, CheckpointHeader header)
     : plan_(std::move(plan)), header_(std::move(header)), start_(std::chrono::steady_clock::now()), due_(plan_.first)
 {
     header_.automatic = plan_.automatic;
+    std::error_code ignored;
+    written_ = std::filesystem::exists(plan_.path, ignored);
 }
 
 double Checkpointer::now() const

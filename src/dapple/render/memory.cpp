@@ -30,17 +30,17 @@ void check_memory(uint64_t limit, const CompileReport& report, const FilmSetting
 {
     if (limit == 0) return;
     const uint64_t scene = scene_bytes(report);
-    const uint64_t film = film_bytes(settings);
-    if (scene + film >= limit)
-        throw UserError(
-            fmt::format("--memory {} is not enough: the scene takes {}, the film {} (fewer --layers or a "
-                        "smaller --resolution take less)",
-                        format_size(static_cast<double>(limit)), format_size(static_cast<double>(scene)),
-                        format_size(static_cast<double>(film))));
+    const uint64_t film = film_bytes(settings) / 4 * 5;
+    if (program_bytes + scene + film >= limit)
+        throw UserError(fmt::format(
+            "--memory {} is not enough: the program takes {}, the scene {}, the film {} (fewer --layers or a "
+            "smaller --resolution take less)",
+            format_size(static_cast<double>(limit)), format_size(static_cast<double>(program_bytes)),
+            format_size(static_cast<double>(scene)), format_size(static_cast<double>(film))));
     const auto has = [](const SettingInfo& info) { return info.name == "memory"; };
     if (std::any_of(choice.entry->settings.begin(), choice.entry->settings.end(), has) &&
         choice.settings.is_auto("memory"))
-        choice.settings.set("memory", std::to_string(limit - scene - film));
+        choice.settings.set("memory", std::to_string(limit - program_bytes - scene - film));
 }
 
 }  // namespace dapple

@@ -41,16 +41,16 @@ TEST_F(Memory, IsCountedByParts)
 TEST_F(Memory, RefusesWhatDoesNotFit)
 {
     EXPECT_NO_THROW(check_memory(0, report_, film_, choice_));
-    EXPECT_THROW(check_memory(49499, report_, film_, choice_), UserError);
-    EXPECT_NO_THROW(check_memory(49501, report_, film_, choice_));
+    EXPECT_THROW(check_memory(program_bytes + 61499, report_, film_, choice_), UserError);
+    EXPECT_NO_THROW(check_memory(program_bytes + 61501, report_, film_, choice_));
 }
 
 TEST_F(Memory, WhatIsLeftGoesToTheIntegrator)
 {
-    check_memory(100000, report_, film_, choice_);
-    EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 49500);
+    check_memory(program_bytes + 100000, report_, film_, choice_);
+    EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500);
     choice_.settings.set("memory", "7");
-    check_memory(100000, report_, film_, choice_);
+    check_memory(program_bytes + 100000, report_, film_, choice_);
     EXPECT_EQ(choice_.settings.integer("memory"), 7) << "the user's own value stays";
 }
 
