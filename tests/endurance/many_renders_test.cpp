@@ -1,6 +1,6 @@
-// Thousands of renders in one process: neither memory nor open files grow (mitsuba3#190, BlendLuxCore#3), and neither do
-// they within one render of thousands of passes (pbrt-v3#264). DAPPLE_MANY_RENDERS and DAPPLE_MANY_PASSES ask for more
-// than the short forms; the numbers are 5000 and 10000.
+// Thousands of renders in one process: neither memory nor open files grow (mitsuba3#190, BlendLuxCore#3), and neither
+// do they within one render of thousands of passes (pbrt-v3#264). DAPPLE_MANY_RENDERS and DAPPLE_MANY_PASSES ask for
+// more than the short forms; the numbers are 5000 and 10000.
 #include "dapple/base/log.h"
 #include "dapple/formats/pbrt.h"
 #include "dapple/render/film_settings.h"
