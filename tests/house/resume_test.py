@@ -201,6 +201,11 @@ class Resume(unittest.TestCase):
         floor = 0.1 * sum(b) / len(b)
         return (sum((x - y) ** 2 / (y * y + floor * floor) for x, y in zip(a, b)) / len(a)) ** 0.5
 
+    def test_error_estimates_know_epochs(self):
+        for integrator, epochs in (("path", b"1 0"), ("photonmap", b"4 1"), ("irradiancecache", b"16 1"), ("sppm", b"1 1")):
+            self.dapple("render", "ball.pbrt", "-i", integrator, "-o", "a.dapple", "--passes", 1, *FAST)
+            self.assertIn(b"correlation\0" + epochs + b"\0", (self.folder / "a.dapple").read_bytes(), integrator)
+
     def test_full_disk_keeps_the_render_until_there_is_room(self):
         def small_files():
             resource.setrlimit(resource.RLIMIT_FSIZE, (3000, resource.RLIM_INFINITY))

@@ -64,6 +64,9 @@ public:
             [&](EyeSample& sample) { trace(context.world, *epoch, set_of(sample.pixel), sample); });
     }
 
+    uint32_t correlated_passes() const override { return epochs_.correlated_passes(); }
+    double bias_scale(uint32_t pass) const override { return epochs_.bias_scale(pass); }
+
     std::vector<std::string> report() const override
     {
         return {gather_settings_.describe(),

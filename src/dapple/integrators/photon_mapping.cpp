@@ -62,6 +62,9 @@ public:
             [&](EyeSample& sample) { trace(context.world, set_of(sample.pixel), epoch->shrinkage, sample); });
     }
 
+    uint32_t correlated_passes() const override { return epochs_.correlated_passes(); }
+    double bias_scale(uint32_t pass) const override { return epochs_.bias_scale(pass); }
+
     std::vector<std::string> report() const override
     {
         return {gather_settings_.describe(),

@@ -28,7 +28,24 @@ IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const B
                          });
 }
 
+// Van der Corput's sequence in base 2.
+double radical_inverse(uint64_t i)
+{
+    double value = 0.0;
+    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) value += digit * static_cast<double>(i & 1u);
+    return value;
+}
+
 }  // namespace
+
+float time_of_set(uint64_t seed, uint32_t pass, int set, int sets)
+{
+    const auto n = static_cast<uint64_t>(sets);
+    const uint64_t index = pass * n + (static_cast<uint64_t>(set) + pass / n) % n;
+    const double shift = to_unit_float(hash_words(seed, static_cast<uint64_t>(StreamPurpose::shutter)));
+    const double time = radical_inverse(index) + shift;
+    return static_cast<float>(std::min(time - std::floor(time), 0x1.fffffep-1));
+}
 
 Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, int set, int sets)
 {
@@ -142,6 +159,8 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
     return plan;
 }
 
+double PhotonEpochs::bias_scale(uint32_t pass) const { return progressive_shrinkage(int64_t(index(pass)) + 1); }
+
 std::shared_ptr<const PhotonEpoch> PhotonEpochs::of(const PassContext& context, const Film& film)
 {
     const uint32_t index = this->index(context.pass);
@@ -151,7 +170,7 @@ std::shared_ptr<const PhotonEpoch> PhotonEpochs::of(const PassContext& context, 
     auto made = std::make_shared<PhotonEpoch>();
     made->seed = context.seed;
     made->index = index;
-    made->shrinkage = static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(index) + 1)));
+    made->shrinkage = static_cast<float>(std::sqrt(bias_scale(context.pass)));
     made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film), index);
     if (!context.cancelled()) epoch_ = made;
     return made;

@@ -65,6 +65,11 @@ struct PhotonMapSet {
 // visible range finely and no epoch shows a tint.
 Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, int set, int sets);
 
+// The time in the shutter that all paths of a set share in a pass: so light and eye paths see moving things at one
+// place. Times are spread evenly as passes go on; sets change places every `sets` passes, so that no wavelengths belong
+// to a part of the shutter.
+float time_of_set(uint64_t seed, uint32_t pass, int set, int sets);
+
 // The set that a pixel uses in a pass: every 2 x 2 pixels use four sets, and each pixel goes round all of them.
 inline int set_of_pixel(Int2 pixel, uint32_t pass, int sets)
 {
@@ -98,6 +103,9 @@ public:
     PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator);
 
     uint32_t index(uint32_t pass) const { return pass / epoch_passes_; }
+    // What Integrator asks for: passes per epoch, and the squared caustic radius relative to that of the first epoch.
+    uint32_t correlated_passes() const { return epoch_passes_; }
+    double bias_scale(uint32_t pass) const;
     // The epoch of the context's pass: a pure function of world, settings, seed and that epoch's number. Thread-safe.
     std::shared_ptr<const PhotonEpoch> of(const PassContext& context, const Film& film);
 
