@@ -229,9 +229,11 @@ SurfacePoint patch_surface_point(const Primitive& primitive, const Vec2& uv, flo
     point.dndu = to_float(texture.by_s(dndu, dndv));
     point.dndv = to_float(texture.by_t(dndu, dndv));
     point.dpdu_shading = Frame::from_normal_tangent(point.n_shading, point.dpdu).s;
-    // Single-precision rounding of the position, and the double arithmetic where the corners' terms cancel.
+    // Single-precision rounding of the position, and double arithmetic where the corners' terms cancel. The latter has
+    // the size of the largest coordinate on every axis: of a ray that starts on a patch in the plane z = 0, x and y are
+    // what rounds the distance to the patch.
     const Vec3 terms = abs(primitive.p[0]) + abs(primitive.p[1]) + abs(primitive.p[2]) + abs(primitive.p[3]);
-    point.error = abs(point.position) * 0x1p-22f + terms * 0x1p-46f;
+    point.error = abs(point.position) * 0x1p-22f + Vec3(max_component(terms) * 0x1p-46f);
     return point;
 }
 

@@ -165,6 +165,33 @@ TEST(Primitive, RaysLeavingAHitDoNotMeetTheSurfaceAgain)
     }
 }
 
+// Flat primitives in a plane through the origin, where one coordinate is zero and tells nothing of the rounding of the
+// others; edges that are no round numbers of the binary system.
+TEST(Primitive, RaysLeavingAPlaneThroughTheOriginDoNotMeetItAgain)
+{
+    for (const Matrix4& turn : {Matrix4(), rotation(90.0f, {1, 0, 0}), rotation(90.0f, {0, 1, 0}),
+                                rotation(180.0f, {1, 0, 0}), rotation(30.0f, {0, 0, 1})})
+        for (Kind kind : {Kind::bilinear, Kind::disk}) {
+            Primitive primitive;
+            primitive.kind = kind;
+            primitive.radius = 0.6f;
+            primitive.phi_max = 2.0f * pi;
+            primitive.world_from_object = Transform(turn);
+            const Vec3 corners[4] = {{-0.6f, -0.6f, 0}, {0.6f, -0.6f, 0}, {-0.6f, 0.7f, 0}, {0.6f, 0.7f, 0}};
+            for (int i = 0; i < 4; ++i) primitive.p[i] = Transform(turn).point(corners[i]);
+            int met = 0;
+            for (uint64_t i = 0; i < 2000; ++i) {
+                const SurfacePoint at = surface_point(primitive, hit_at(primitive, random_2d(i, 1)), 0.0f);
+                Ray ray;
+                ray.direction = random_direction(i, 2);
+                ray.origin = offset_ray_origin(at.position, at.error, at.n_geometric, ray.direction);
+                PrimitiveHit hit;
+                met += intersect(primitive, ray, 0.0f, infinity, hit);
+            }
+            EXPECT_EQ(met, 0) << (kind == Kind::disk ? "disk" : "rectangle");
+        }
+}
+
 TEST(Primitive, DerivativesMatchFiniteDifferences)
 {
     for (auto [name, primitive] : all_primitives()) {
