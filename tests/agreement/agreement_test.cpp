@@ -33,7 +33,7 @@ constexpr Bias biases[] = {
     {"irradiancecache", 0.06, 0.03, "as photonmap, and interpolation of irradiance"},
     {"sppm", 0.08, 0.03, "blur of three pixels at 32: indirect light at edges of surfaces, caustics"},
     {"photonsplat", 0.08, 0.03, "as sppm"},
-    {"vcm", 0.06, 0.02, "blur of two pixels at 24 to 32 pixels where merging outweighs joining: caustics"},
+    {"vcm", 0.06, 0.015, "blur where merging outweighs joining: caustics, edges of surfaces"},
 };
 
 struct Exception {

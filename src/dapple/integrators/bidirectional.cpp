@@ -9,10 +9,13 @@
 // (t = 1), and eye paths that meet lights count too (s = 0). All are weighed against each other by multiple importance
 // sampling (subpath_weights.h).
 //
-// bdpt: unbiased; error falls as N^-1 in MSE. vcm: the radius is a number of pixel footprints and shrinks as
-// r_i^2 = r_1^2 Gamma(i + a) / (Gamma(1 + a) Gamma(i + 1)), a = 2/3: consistent, the blur of merging vanishes. Media:
-// joined as surfaces are, not merged. Light that media emit is found by eye paths alone.
-// Cost: a shadow ray per pair of vertices; about 400 bytes per light vertex.
+// lightpath is the camera's technique alone (Dutre, Lafortune, Willems 1993, "Monte Carlo light tracing with direct
+// computation of pixel intensities"): it finds LS*DE caustics, and cannot see anything in or through a delta surface
+// but lights (L S* E, by one eye path per pixel and pass); nothing is stored. bdpt: unbiased; error falls as N^-1 in
+// MSE. vcm: the radius is a number of pixel footprints and shrinks as r_i^2 = r_1^2 Gamma(i + a) / (Gamma(1 + a)
+// Gamma(i + 1)), a = 2/3: consistent, the blur of merging vanishes. Media: joined as surfaces are, not merged. Light
+// that media emit is found by eye paths alone. Cost: a shadow ray per pair of vertices; about 400 bytes per light
+// vertex.
 #include "dapple/integrators/bidirectional_path.h"
 
 #include "dapple/base/log.h"
@@ -27,16 +30,25 @@ namespace {
 constexpr SettingInfo max_depth_setting = {"maxdepth", "scatterings", "100", "integer >= 0 and < 60000",
                                            "longest path, in scatterings on surfaces and in media"};
 constexpr SettingInfo light_paths_setting = {"lightpaths", "light paths", "auto", "> 0",
-                                             "light paths per pass; auto: one per pixel of the full image"};
+                                             "light paths per pass; auto: one per pixel of the full image, 1M at most"};
 constexpr SettingInfo heuristic_setting = {"heuristic", "", "balance", "balance|power",
                                            "how techniques are weighed against each other"};
 
-constexpr SettingInfo bdpt_settings[] = {max_depth_setting, light_paths_setting, heuristic_setting};
+constexpr SettingInfo memory_setting = {"memory", "bytes", "auto", "> 0",
+                                        "ceiling for the light vertices of a pass: fewer light paths rather than more"};
+
+constexpr SettingInfo lightpath_settings[] = {
+    max_depth_setting,
+    {"particles", "particles", "auto", "> 0", "particles per pass; auto: one per pixel of the full image"},
+};
+
+constexpr SettingInfo bdpt_settings[] = {max_depth_setting, light_paths_setting, heuristic_setting, memory_setting};
 
 constexpr SettingInfo vcm_settings[] = {
     max_depth_setting,
     light_paths_setting,
     heuristic_setting,
+    memory_setting,
     {"techniques", "", "vcm", "vcm|bpm|ppm|bdpt|lightpath",
      "vcm: all; bpm: merging at every vertex and lights met; ppm: merging at the first vertex alone; bdpt: no merging; "
      "lightpath: the camera seen from light vertices"},
@@ -46,14 +58,14 @@ constexpr SettingInfo vcm_settings[] = {
     {"wavelengthsets", "sets", "4", ">= 1", "sets of four wavelengths per pass (spectral colour model)"},
 };
 
-BidirectionalPlan plan_of(std::string_view techniques, const Settings& settings)
+BidirectionalPlan plan_of(std::string_view techniques, bool power, const Settings& settings)
 {
     BidirectionalPlan plan;
     plan.merging = techniques == "vcm" || techniques == "bpm" || techniques == "ppm";
     plan.first_vertex_only = techniques == "ppm" || techniques == "lightpath";
     plan.max_depth = static_cast<int>(settings.integer("maxdepth"));
     MisRules& rules = plan.rules;
-    rules.power = settings.word("heuristic") == "power";
+    rules.power = power;
     // Where eye paths end with their first vertex, lights are only met through deltas, where nothing competes.
     rules.emission = !plan.first_vertex_only;
     rules.direct = rules.inner = techniques == "vcm" || techniques == "bdpt";
@@ -63,10 +75,14 @@ BidirectionalPlan plan_of(std::string_view techniques, const Settings& settings)
 
 class Bidirectional final : public Integrator {
 public:
-    Bidirectional(const BidirectionalPlan& plan, const Settings& settings)
-        : plan_(plan), light_paths_(settings.is_auto("lightpaths") ? 0 : settings.integer("lightpaths"))
+    // light_paths: 0: from the image. memory: of light vertices [bytes], 0: no ceiling.
+    Bidirectional(const BidirectionalPlan& plan, int64_t light_paths, int64_t memory)
+        : plan_(plan), light_paths_(light_paths), memory_(memory)
     {
-        if (!plan.merging) return;
+    }
+
+    void set_merging(const Settings& settings)
+    {
         plan_.kernel = kernel_named(settings.word("kernel"));
         radius_pixels_ = static_cast<float>(settings.number("radius"));
         fixed_radius_ = settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"));
@@ -79,10 +95,10 @@ public:
         const LightSubpathPlan light = light_plan(context, film);
         BidirectionalPlan plan = plan_;
         plan.rules = light.rules;
-        const LightSubpaths subpaths(context, model, film.resolution(), light);
-        if (plan.rules.camera)
-            parallel_for(light.paths, LightSubpaths::chunk_paths, [&](int64_t path) {
-                if (!context.cancelled()) splat_light_path(context, film, plan, subpaths, path);
+        const LightSubpaths subpaths(
+            context, model, film.resolution(), light,
+            [&](const LightSubpaths& so_far, int64_t path, std::span<const LightVertex> vertices) {
+                if (plan.rules.camera) splat_light_path(context, film, plan, so_far, path, vertices);
             });
         if (context.cancelled()) return;
         for_each_pixel(
@@ -135,8 +151,14 @@ private:
         return light;
     }
 
+    // Where nothing else is said: light vertices take about as much memory as a film of this size.
+    static constexpr int64_t most_paths = 1'000'000;
+    // Eight vertices, more than any but the brightest scenes have.
+    static constexpr int64_t bytes_per_path = 8 * (sizeof(LightVertex) + sizeof(MergePhoton) + 32);
+
     BidirectionalPlan plan_;
-    int64_t light_paths_;  // 0: one per pixel
+    int64_t light_paths_;  // 0: from the image
+    int64_t memory_;       // [bytes], 0: no ceiling
     float radius_pixels_ = 1.0f;
     float fixed_radius_ = 0.0f;  // [m], 0: from the footprint
     int wavelength_sets_ = 0;
@@ -148,19 +170,47 @@ void warn_of_emitting_media(const World& world)
         log_warning("the light of emitting media is found by eye paths alone: no light paths start in them");
 }
 
-std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& settings)
+int64_t whole_or_auto(const Settings& settings, std::string_view name)
+{
+    return settings.is_auto(name) ? 0 : settings.integer(name);
+}
+
+std::unique_ptr<Integrator> create_lightpath(const World& world, const Settings& settings)
+{
+    if (world.has_emitting_media)
+        log_warning("lightpath leaves out the light of emitting media: no particles start in them; use path");
+    return std::make_unique<Bidirectional>(plan_of("lightpath", false, settings), whole_or_auto(settings, "particles"),
+                                           0);
+}
+
+std::unique_ptr<Bidirectional> create_stored(const World& world, std::string_view techniques, const Settings& settings)
 {
     warn_of_emitting_media(world);
-    return std::make_unique<Bidirectional>(plan_of("bdpt", settings), settings);
+    return std::make_unique<Bidirectional>(plan_of(techniques, settings.word("heuristic") == "power", settings),
+                                           whole_or_auto(settings, "lightpaths"), whole_or_auto(settings, "memory"));
+}
+
+std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& settings)
+{
+    return create_stored(world, "bdpt", settings);
 }
 
 std::unique_ptr<Integrator> create_vcm(const World& world, const Settings& settings)
 {
-    warn_of_emitting_media(world);
-    return std::make_unique<Bidirectional>(plan_of(settings.word("techniques"), settings), settings);
+    std::unique_ptr<Bidirectional> vcm = create_stored(world, settings.word("techniques"), settings);
+    vcm->set_merging(settings);
+    return vcm;
 }
 
 }  // namespace
+
+extern const IntegratorEntry light_tracing_entry{
+    "lightpath",
+    "light tracing: particles connected to the camera; good at caustics on matte surfaces",
+    lightpath_settings,
+    true,
+    false,
+    create_lightpath};
 
 extern const IntegratorEntry bdpt_entry{
     "bdpt",        "bidirectional path tracing: unbiased; all ways to join an eye and a light path",

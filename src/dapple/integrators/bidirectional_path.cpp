@@ -20,8 +20,9 @@ bool joins_before(const MisRules& rules, const LightEnd& light)
 }  // namespace
 
 void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
-                      const LightSubpaths& subpaths, int64_t path)
+                      const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices)
 {
+    if (vertices.empty()) return;
     const MisRules& rules = plan.rules;
     const World& world = context.world;
     const Sensor& sensor = film.settings().sensor;
@@ -31,7 +32,7 @@ void splat_light_path(const PassContext& context, Film& film, const Bidirectiona
     const PathStart start = subpaths.start(path);
     RandomStream random(context.seed, hash_words(static_cast<uint64_t>(StreamPurpose::splat), uint64_t(context.pass)),
                         static_cast<uint32_t>(path));
-    for (const LightVertex& light : subpaths.vertices(path)) {
+    for (const LightVertex& light : vertices) {
         if (light.depth > plan.max_depth) return;
         const Vertex& vertex = light.vertex;
         SeenByCamera seen;

@@ -24,7 +24,7 @@ struct BidirectionalPlan {
 
 // Adds the light vertices of one path to the film, as the camera sees them (t = 1).
 void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
-                      const LightSubpaths& subpaths, int64_t path);
+                      const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices);
 
 class BidirectionalEyePath {
 public:

@@ -3,8 +3,9 @@
 #include "dapple/integrators/photon_maps.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/transport/emission.h"
+#include "dapple/transport/photon_tracing.h"
 
-#include <numeric>
+#include <atomic>
 
 namespace dapple {
 
@@ -88,33 +89,40 @@ SubpathWeights departure_weights(const World& world, const MisRules& rules, cons
 }  // namespace
 
 LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution,
-                             const LightSubpathPlan& plan)
+                             const LightSubpathPlan& plan, const PathVisitor& visit)
     : plan_(plan), model_(model), resolution_(resolution), seed_(context.seed), pass_(context.pass)
 {
     const uint64_t purpose = static_cast<uint64_t>(StreamPurpose::wavelength_set);
     const uint32_t turn = static_cast<uint32_t>(hash_words(purpose, seed_, uint64_t(pass_)));
-    for (int set = 0; set < plan_.wavelength_sets; ++set)
-        set_starts_.push_back({wavelengths_of_set(model, seed_, pass_, set, plan_.wavelength_sets), 0.0f,
+    const int sets = plan_.wavelength_sets;
+    for (int set = 0; set < sets; ++set)
+        set_starts_.push_back({wavelengths_of_set(model, seed_, pass_, set, sets), time_of_set(seed_, pass_, set, sets),
                                static_cast<int>((turn + static_cast<uint32_t>(set)) % Spectrum::lanes)});
-
     if (plan_.merging) {
-        maps_.resize(std::max<size_t>(set_starts_.size(), 1));
+        maps_.resize(set_starts_.size());
         for (int64_t path = 0; path < plan_.paths; ++path) ++maps_[set_of(path)].paths;
     }
-    chunks_.resize(static_cast<size_t>((plan_.paths + chunk_paths - 1) / chunk_paths));
+
+    chunks_.resize(plan_.stored ? static_cast<size_t>((plan_.paths + chunk_paths - 1) / chunk_paths) : 0);
+    std::atomic<uint64_t> found{0};
     parallel_for_ranges(plan_.paths, chunk_paths, [&](int64_t begin, int64_t end) {
         if (context.cancelled()) return;
-        Chunk& chunk = chunks_[static_cast<size_t>(begin / chunk_paths)];
-        chunk.end.reserve(static_cast<size_t>(end - begin));
+        Chunk traced;
         for (int64_t path = begin; path < end; ++path) {
-            trace(context, path, chunk);
-            chunk.end.push_back(static_cast<uint32_t>(chunk.vertices.size()));
+            const size_t first = traced.vertices.size();
+            trace(context.world, path, traced.vertices);
+            found += traced.vertices.size() - first;
+            visit(*this, path, std::span(traced.vertices).subspan(first));
+            if (plan_.stored)
+                traced.end.push_back(static_cast<uint32_t>(traced.vertices.size()));
+            else
+                traced.vertices.clear();
         }
+        if (plan_.stored) chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
     });
     context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
-    if (context.cancelled()) return;
-    if (plan_.merging) build_maps();
-    context.statistics.photons_stored += stored();
+    if (plan_.stored) context.statistics.photons_stored += found.load();
+    if (plan_.merging && !context.cancelled()) build_maps();
 }
 
 size_t LightSubpaths::set_of(int64_t path) const
@@ -126,14 +134,12 @@ size_t LightSubpaths::set_of(int64_t path) const
 
 PathStart LightSubpaths::start(int64_t path) const
 {
+    if (!set_starts_.empty()) return set_starts_[set_of(path)];
     // Even in the pass: the wavelengths of a pixel are spread over the spectrum.
     RandomStream random(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), uint64_t(path), 0),
                         pass_);
     const Vec2 u = random.next_2d();
-    if (plan_.wavelength_sets == 0) return path_start(choose_wavelengths(model_, random.next()), u);
-    PathStart start = set_starts_[set_of(path)];
-    start.time = u.x;
-    return start;
+    return path_start(choose_wavelengths(model_, random.next()), u);
 }
 
 double LightSubpaths::eta(const Vertex& vertex) const
@@ -144,11 +150,11 @@ double LightSubpaths::eta(const Vertex& vertex) const
     return pi * radius * radius * static_cast<double>(plan_.paths) / static_cast<double>(maps_.size());
 }
 
-void LightSubpaths::trace(const PassContext& context, int64_t path, Chunk& chunk) const
+void LightSubpaths::trace(const World& world, int64_t path, std::vector<LightVertex>& vertices) const
 {
-    const World& world = context.world;
-    RandomStream random(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), uint64_t(pass_), 1),
-                        static_cast<uint32_t>(path));
+    // The paths of all passes are one sequence: they spread evenly together.
+    RandomStream random = light_path_stream(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), 1),
+                                            path + plan_.paths * int64_t(pass_));
     Walk walk;
     Departure departure;
     if (!emit(world, start(path), random, walk, departure)) return;
@@ -168,8 +174,8 @@ void LightSubpaths::trace(const PassContext& context, int64_t path, Chunk& chunk
         eta_before = eta(*vertex);
         if (!vertex->is_delta()) {
             const Carried carried = walk.carried();
-            chunk.vertices.push_back({*vertex, carried.throughput, carried.path_pdf, weights, walk.events(),
-                                      walk.light_group, static_cast<uint16_t>(walk.depth())});
+            vertices.push_back({*vertex, carried.throughput, carried.path_pdf, weights, walk.events(), walk.light_group,
+                                static_cast<uint16_t>(walk.depth())});
         }
         if (walk.depth() >= plan_.max_depth || !walk.survive_roulette(random)) return;
     }
@@ -199,12 +205,6 @@ void LightSubpaths::build_maps()
                                                       v.light_group, v.depth};
         });
     }
-}
-
-uint64_t LightSubpaths::stored() const
-{
-    return std::accumulate(chunks_.begin(), chunks_.end(), uint64_t(0),
-                           [](uint64_t sum, const Chunk& chunk) { return sum + chunk.vertices.size(); });
 }
 
 }  // namespace dapple

@@ -8,6 +8,7 @@
 #include "dapple/transport/subpath_weights.h"
 #include "dapple/transport/walk.h"
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct LightSubpathPlan {
     int64_t paths = 0;
     int wavelength_sets = 0;  // sets that the paths of a pass share; 0: wavelengths of its own for each path
     int max_depth = 100;
+    bool stored = true;             // keep the vertices; else only visited once, as they are traced
     bool merging = false;           // prepare for merging ...
     bool merges_everywhere = true;  // ... at any vertex; false: at the last one only (as far as weights know)
     MergeRadius radius;
@@ -64,7 +66,11 @@ struct MergePhoton {
 
 class LightSubpaths {
 public:
-    LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution, const LightSubpathPlan& plan);
+    // visit(*this, path, vertices) is called for each path right after it is traced, on many threads at once.
+    using PathVisitor =
+        std::function<void(const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices)>;
+    LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution, const LightSubpathPlan& plan,
+                  const PathVisitor& visit);
 
     int64_t paths() const { return plan_.paths; }
     int64_t path_of(Int2 pixel) const { return (int64_t(pixel.y) * resolution_.x + pixel.x) % plan_.paths; }
@@ -91,8 +97,6 @@ public:
     template <class Visitor>
     void for_each_near(int64_t path, const Vertex& at, float radius, Visitor&& visit) const;
 
-    uint64_t stored() const;
-
     static constexpr int64_t chunk_paths = 1024;
 
 private:
@@ -106,15 +110,15 @@ private:
         int64_t paths = 0;
     };
 
-    void trace(const PassContext& context, int64_t path, Chunk& chunk) const;
+    void trace(const World& world, int64_t path, std::vector<LightVertex>& vertices) const;
     void build_maps();
     size_t set_of(int64_t path) const;
 
     LightSubpathPlan plan_;
     ColorModel model_;
     Int2 resolution_;
-    uint64_t seed_;
-    uint32_t pass_;
+    uint64_t seed_ = 0;
+    uint32_t pass_ = 0;
     std::vector<PathStart> set_starts_;
     std::vector<Chunk> chunks_;
     std::vector<Map> maps_;

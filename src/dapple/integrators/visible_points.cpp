@@ -9,25 +9,6 @@
 namespace dapple {
 namespace {
 
-// Van der Corput's sequence in base 2.
-double radical_inverse(uint64_t i)
-{
-    double value = 0.0;
-    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) value += digit * static_cast<double>(i & 1u);
-    return value;
-}
-
-// Times of sets spread evenly over the shutter as passes go on. Sets change places every `sets` passes, so that no
-// wavelengths belong to a part of the shutter.
-float time_of_set(uint64_t seed, uint32_t pass, int set, int sets)
-{
-    const auto n = static_cast<uint64_t>(sets);
-    const uint64_t index = pass * n + (static_cast<uint64_t>(set) + pass / n) % n;
-    const double shift = to_unit_float(hash_words(seed, static_cast<uint64_t>(StreamPurpose::shutter)));
-    const double time = radical_inverse(index) + shift;
-    return static_cast<float>(std::min(time - std::floor(time), 0x1.fffffep-1));
-}
-
 // Diagonal of the box round all shapes [m]; 0 where there are none.
 float scene_size(const World& world)
 {

@@ -47,7 +47,10 @@ double mean_luminance(const IntegratorEntry& entry, const scene::Description& de
 {
     const std::unique_ptr<World> world = compile(description);
     Film film(film_settings(description, *world, LayerChoice::parse("beauty"), false, ColorModel::rgb));
-    const Settings settings(entry.settings);
+    Settings settings(entry.settings);
+    // Blur by a number of pixels is meant for larger pictures than this one.
+    for (const SettingInfo& info : entry.settings)
+        if (info.name == "radius") settings.set("radius", "0.5");
     const std::unique_ptr<Integrator> integrator = entry.create(*world, settings);
     const std::unique_ptr<Progress> progress = make_progress(ProgressKind::none);
     const StopRequests requests;

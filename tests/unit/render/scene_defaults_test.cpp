@@ -25,13 +25,16 @@ TEST(SceneDefaults, PathTracersBecomePath)
     EXPECT_EQ(choose_integrator(named("lightpath"), "", {}).entry->name, "lightpath");
 }
 
-TEST(SceneDefaults, BidirectionalOnesBecomePhotonMapsAndAreNoted)
+TEST(SceneDefaults, LightMethodsKeepTheirNames)
 {
-    for (const char* name : {"bdpt", "mlt", "sppm"}) {
+    for (const char* name : {"bdpt", "sppm"}) {
         const IntegratorChoice choice = choose_integrator(named(name), "", {});
-        EXPECT_EQ(choice.entry->name, "photonmap") << name;
-        EXPECT_EQ(choice.notes.size(), 1u) << name;
+        EXPECT_EQ(choice.entry->name, name);
+        EXPECT_TRUE(choice.notes.empty()) << name;
     }
+    const IntegratorChoice choice = choose_integrator(named("mlt"), "", {});
+    EXPECT_EQ(choice.entry->name, "vcm");
+    EXPECT_EQ(choice.notes.size(), 1u);
 }
 
 TEST(SceneDefaults, TheCommandLineWins)
