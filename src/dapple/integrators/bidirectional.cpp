@@ -136,7 +136,8 @@ private:
     {
         LightSubpathPlan light;
         light.paths = light_paths_ > 0 ? light_paths_ : int64_t(film.resolution().x) * film.resolution().y;
-        light.wavelength_sets = !plan_.merging || film.settings().color_model == ColorModel::rgb ? 0 : wavelength_sets_;
+        const bool rgb = film.settings().color_model == ColorModel::rgb;
+        light.wavelength_sets = !plan_.merging ? 0 : rgb ? 1 : wavelength_sets_;
         light.max_depth = plan_.max_depth;
         light.merging = plan_.merging;
         light.merges_everywhere = !plan_.first_vertex_only;
