@@ -4,6 +4,8 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
+#include "dapple/image/image_file.h"
+#include "dapple/integrators/technique_films.h"
 #include "dapple/render/checkpointer.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
@@ -92,6 +94,10 @@ void check_options(const RenderOptions& options, const RenderStart& start)
     if (!options.memory.empty()) parse_size("--memory", options.memory);
     if (!options.checkpoint_every.empty()) parse_duration("--checkpoint-every", options.checkpoint_every);
     check_output_paths(options.outputs);
+    if (!options.techniques.empty()) {
+        if (!options.techniques.ends_with(".exr")) throw UserError("--techniques writes an .exr file");
+        check_output_paths({options.techniques});
+    }
     if (options.checkpoint.empty() || options.checkpoint == "none" || !start.checkpoint.empty()) return;
     check_output_folder(options.checkpoint);
     if (std::filesystem::exists(options.checkpoint))
@@ -184,6 +190,34 @@ int write_results(const RenderOptions& options, const CheckpointHeader& identity
     return write_outputs(result, identity.record, output, progress) && good ? 0 : exit_failure;
 }
 
+// The films of --techniques, kept in step with the render.
+class TechniqueRecord final : public PassObserver {
+public:
+    TechniqueRecord(const FilmSettings& settings, Integrator& integrator, std::string_view name) : films_(settings)
+    {
+        if (!integrator.record_techniques(films_))
+            throw UserError(fmt::format("--techniques: '{}' has one technique only; bdpt and vcm have more", name));
+    }
+
+    void after_pass(const Film&, const RenderCounters&) override { films_.end_pass(); }
+
+    void write(const std::string& path, const RenderResult& result, const CheckpointHeader& identity) const
+    {
+        if (!result.film_whole) {
+            log_warning("'{}' is not written: the last pass was given up", path);
+            return;
+        }
+        WriteOptions options;
+        const Image image = films_.layers(options.channel_names);
+        options.data_origin = identity.film.crop_min;
+        options.full_size = identity.film.resolution;
+        write_image(path, image, options);
+    }
+
+private:
+    TechniqueFilms films_;
+};
+
 // Puts the passes of the checkpoint into the film; refuses when they are of another render.
 void load_checkpoint(const RenderStart& start, const CheckpointHeader& identity, Film& film)
 {
@@ -258,8 +292,13 @@ int render(const RenderOptions& options, const RenderStart& start)
         checkpointer.emplace(plan, identity);
         job.observers.push_back(&*checkpointer);
     }
+    std::optional<TechniqueRecord> techniques;
+    if (!options.techniques.empty()) {
+        techniques.emplace(settings, *integrator, choice.entry->name);
+        job.observers.push_back(&*techniques);
+    }
     job.keep_film_whole =
-        (checkpointer && !plan.automatic) || std::any_of(outputs.begin(), outputs.end(), is_state_path);
+        techniques || (checkpointer && !plan.automatic) || std::any_of(outputs.begin(), outputs.end(), is_state_path);
     std::optional<LiveView> view;
     if (!options.display_server.empty()) {
         view.emplace(options.display_server, "dapple " + std::filesystem::path(outputs.front()).stem().string());
@@ -269,6 +308,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
     if (view && result.film_whole) view->finish(film);
+    if (techniques) techniques->write(options.techniques, result, identity);
     return write_results(options, identity, film, result, outputs, checkpointer ? &*checkpointer : nullptr, requests,
                          *progress);
 }

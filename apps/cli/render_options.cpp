@@ -34,6 +34,7 @@ Examples:
   dapple render scene.pbrt -o eye.png --crop 0.4,0.6,0.2,0.4 --passes 256
   dapple render scene.pbrt -o out.exr --seed 7 --threads 2 --quiet
   dapple render scene.pbrt -o out.exr --error 0.05 --time 1h --checkpoint out.dapple
+  dapple render scene.pbrt -o out.exr --integrator bdpt --techniques each.exr
   dapple render scene.pbrt -o part.dapple --first-pass 32 --passes 32     the second of several machines
   dapple render scene.pbrt -o out.exr --display-server 127.0.0.1:14158    watch it in the viewer tev)";
 
@@ -59,6 +60,8 @@ void add_look_options(CLI::App& parser, RenderOptions& o)
     parser.add_option("--threads", o.threads, "threads (default: all cores); the image does not depend on it")
         ->check(CLI::Range(1, 4096));
     parser.add_option("--checkpoint-every", o.checkpoint_every, "time between checkpoints (default 60s)");
+    parser.add_option("--techniques", o.techniques,
+                      "also write what each technique of bdpt or vcm brings, weighted and alone (.exr)");
     parser.add_option("--display-server", o.display_server, "HOST:PORT of the viewer tev, to watch the render");
     parser.add_flag("-q,--quiet", o.quiet, "print errors only");
     const std::map<std::string, ProgressKind> kinds = {

@@ -31,6 +31,7 @@ struct RenderOptions {
     std::string checkpoint;  // empty: an automatic one; "none"
     std::string checkpoint_every;
     std::string display_server;
+    std::string techniques;  // file for the layers of each technique; empty: none
     bool half = false;
     bool pbrt_coats = false;
     float exposure = 0;

@@ -1,6 +1,7 @@
 // `dapple resume`: goes on with a render where its checkpoint ends. Whatever makes the image comes from the checkpoint.
 #include "commands.h"
 #include "dapple/base/error.h"
+#include "dapple/base/log.h"
 #include "render_options.h"
 
 #include <fmt/format.h>
@@ -48,6 +49,10 @@ int resume(const std::string& file, const RenderOptions& changes)
     if (!asked.checkpoint_every.empty()) options.checkpoint_every = asked.checkpoint_every;
     if (options.checkpoint == "none") options.checkpoint.clear();
     options.display_server = asked.display_server;
+    if (!options.techniques.empty()) {
+        log_warning("'{}' is not written: the passes of the checkpoint are not in it", options.techniques);
+        options.techniques.clear();
+    }
     options.quiet = asked.quiet;
     options.progress = asked.progress;
     if (options.error > 0 && !header.film.error_layer)
