@@ -34,6 +34,8 @@ def render(arguments, algorithm, seconds, image):
     for option in ("resolution", "threads"):
         if getattr(arguments, option):
             command += [f"--{option}", str(getattr(arguments, option))]
+    if arguments.pbrt_coats:
+        command.append("--pbrt-coats")
     cpu, wall = cpu_seconds(), time.monotonic()
     subprocess.run(command, check=True)
     return cpu_seconds() - cpu, time.monotonic() - wall
@@ -61,6 +63,7 @@ def main():
     parser.add_argument("--clamp", type=float, help="compare after limiting both images to this value")
     parser.add_argument("--resolution")
     parser.add_argument("--threads", type=int)
+    parser.add_argument("--pbrt-coats", action="store_true", help="rough coats with pbrt's weights, as its references")
     arguments = parser.parse_args()
     print("algorithm                      render s    CPU s   wall s    relMSE")
     with tempfile.TemporaryDirectory() as folder:
