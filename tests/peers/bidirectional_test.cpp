@@ -94,7 +94,7 @@ class Strategies : public PeerTest {};
 TEST_P(Strategies, HaveEachAloneThePictureOfPathTracingOverABumpyFloor)
 {
     const TestScene scene = TestScene::from_text(with_scenes(bumpy_floor));
-    RenderRequest request = peer_request(GetParam(), 32, 1000);
+    RenderRequest request = peer_request(GetParam(), 24, 1000);
     if (has_setting(GetParam(), "radius")) request.settings.emplace_back("radius", "0.5");
     const auto all = alone(scene, request, peer_batches);
     if (all.empty()) GTEST_SKIP() << GetParam() << " has no strategies of its own";
@@ -114,7 +114,7 @@ TEST_P(Strategies, HaveEachAloneThePictureOfPathTracingOverABumpyFloor)
             ++strategies;
             fmt::print("[ measured ] {}, {} alone / path: {:.4f} +- {:.4f}\n", GetParam(), name,
                        found.mean / wanted.mean, std::hypot(found.error, wanted.error) / wanted.mean);
-            expect_same(wanted, found, kind == 'm' ? 0.05 : 0, s == 0 ? 0.15 : 0.06, GetParam() + ", " + name);
+            expect_same(wanted, found, kind == 'm' ? 0.05 : 0, s == 0 ? 0.2 : 0.07, GetParam() + ", " + name);
         }
         EXPECT_EQ(strategies, GetParam() == "lightpath" ? 1 : merges ? 2 * edges : edges + 1);
     }
@@ -159,7 +159,7 @@ class Distance : public PeerTest {};
 TEST_P(Distance, OfLightAndCameraDoesNotShow)
 {
     for (bool pane : {false, true})
-        for (double light : {1.0, 4.0, 64.0})
+        for (double light : {1.0, 64.0})
             for (double camera : {0.3, 3.0, 100.0}) {
                 if (pane && GetParam() == "path") continue;  // cannot find it
                 // The camera looks beneath the pane, or sees the square past it where light tracing is blind.

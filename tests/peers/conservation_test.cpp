@@ -134,7 +134,7 @@ TEST(Conservation, OfTheFluxOfEveryLightInClosedAndOpenScenes)
                           {"open, matte and glass", floor_alone() + known, true},
                           {"closed, metal and coats", closed_box() + others, false},
                           {"open, metal and coats", floor_alone() + others, true}};
-    constexpr uint32_t paths = 20000;
+    constexpr uint32_t paths = 8000;
     for (const Case& c : cases) {
         SCOPED_TRACE(c.name);
         const TestScene scene =
