@@ -15,7 +15,7 @@ struct CompileContext {
     const scene::Description& description;
     World& world;
     CompileReport& report;
-    scene::Camera camera;  // of the description, held still where its options want no jitter
+    scene::Camera camera;                             // of the description, held still where its options want no jitter
     std::map<std::string, uint32_t> image_ids;        // by path and reading options: index into Textures::images
     std::map<std::string, uint32_t> light_image_ids;  // by path: index into Lights::images
     std::vector<SpectrumTextureId> spectrum_ids;      // of description.spectrum_textures, as albedo
