@@ -4,8 +4,6 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
-#include "dapple/image/image_file.h"
-#include "dapple/integrators/technique_films.h"
 #include "dapple/render/checkpointer.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
@@ -15,6 +13,7 @@
 #include "dapple/render/progress.h"
 #include "dapple/render/render_job.h"
 #include "dapple/render/scene_defaults.h"
+#include "dapple/render/technique_record.h"
 #include "render_options.h"
 
 #include <fmt/format.h>
@@ -190,34 +189,6 @@ int write_results(const RenderOptions& options, const CheckpointHeader& identity
     return write_outputs(result, identity.record, output, progress) && good ? 0 : exit_failure;
 }
 
-// The films of --techniques, kept in step with the render.
-class TechniqueRecord final : public PassObserver {
-public:
-    TechniqueRecord(const FilmSettings& settings, Integrator& integrator, std::string_view name) : films_(settings)
-    {
-        if (!integrator.record_techniques(films_))
-            throw UserError(fmt::format("--techniques: '{}' has one technique only; bdpt and vcm have more", name));
-    }
-
-    void after_pass(const Film&, const RenderCounters&) override { films_.end_pass(); }
-
-    void write(const std::string& path, const RenderResult& result, const CheckpointHeader& identity) const
-    {
-        if (!result.film_whole) {
-            log_warning("'{}' is not written: the last pass was given up", path);
-            return;
-        }
-        WriteOptions options;
-        const Image image = films_.layers(options.channel_names);
-        options.data_origin = identity.film.crop_min;
-        options.full_size = identity.film.resolution;
-        write_image(path, image, options);
-    }
-
-private:
-    TechniqueFilms films_;
-};
-
 // Puts the passes of the checkpoint into the film; refuses when they are of another render.
 void load_checkpoint(const RenderStart& start, const CheckpointHeader& identity, Film& film)
 {
@@ -308,7 +279,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
     if (view && result.film_whole) view->finish(film);
-    if (techniques) techniques->write(options.techniques, result, identity);
+    if (techniques) techniques->write(options.techniques, result);
     return write_results(options, identity, film, result, outputs, checkpointer ? &*checkpointer : nullptr, requests,
                          *progress);
 }

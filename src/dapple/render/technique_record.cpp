@@ -1,0 +1,34 @@
+#include "dapple/render/technique_record.h"
+
+#include "dapple/base/error.h"
+#include "dapple/base/log.h"
+#include "dapple/image/image_file.h"
+
+#include <fmt/format.h>
+
+namespace dapple {
+
+TechniqueRecord::TechniqueRecord(const FilmSettings& settings, Integrator& integrator, std::string_view name)
+    : films_(settings), crop_min_(settings.crop_min), full_size_(settings.resolution)
+{
+    if (!integrator.record_techniques(films_))
+        throw UserError(
+            fmt::format("--techniques: '{}' has one technique only; lightpath, bdpt and vcm have more", name));
+}
+
+void TechniqueRecord::after_pass(const Film&, const RenderCounters&) { films_.end_pass(); }
+
+void TechniqueRecord::write(const std::string& path, const RenderResult& result) const
+{
+    if (!result.film_whole) {
+        log_warning("'{}' is not written: the last pass was given up", path);
+        return;
+    }
+    WriteOptions options;
+    const Image image = films_.layers(options.channel_names);
+    options.data_origin = crop_min_;
+    options.full_size = full_size_;
+    write_image(path, image, options);
+}
+
+}  // namespace dapple
