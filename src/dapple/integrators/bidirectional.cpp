@@ -18,6 +18,7 @@
 // vertex.
 #include "dapple/integrators/bidirectional_path.h"
 
+#include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/density/schedule.h"
 #include "dapple/integrators/registry.h"
@@ -123,7 +124,8 @@ public:
     {
         std::vector<std::string> lines;
         lines.push_back(light_paths_ > 0 ? fmt::format("{} light paths per pass", light_paths_)
-                                         : std::string("one light path per pixel and pass"));
+                                         : std::string("light paths per pass: one per pixel") +
+                                               (plan_.rules.inner || plan_.merging ? ", 1M at most" : ""));
         if (plan_.merging)
             lines.push_back(fixed_radius_ > 0.0f
                                 ? fmt::format("merging radius {} m in the first pass", fixed_radius_)
@@ -135,9 +137,12 @@ private:
     LightSubpathPlan light_plan(const PassContext& context, const Film& film) const
     {
         LightSubpathPlan light;
-        light.paths = light_paths_ > 0 ? light_paths_ : int64_t(film.resolution().x) * film.resolution().y;
-        const bool rgb = film.settings().color_model == ColorModel::rgb;
-        light.wavelength_sets = !plan_.merging ? 0 : rgb ? 1 : wavelength_sets_;
+        light.stored = plan_.rules.inner || plan_.merging;
+        const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
+        light.paths = light_paths_ > 0 ? light_paths_ : light.stored ? std::min(pixels, most_paths) : pixels;
+        if (light.stored && memory_ > 0) light.paths = std::clamp<int64_t>(memory_ / bytes_per_path, 1, light.paths);
+        const bool jitters = film.settings().color_model == ColorModel::spectral;
+        light.wavelength_sets = !plan_.merging ? 0 : jitters ? wavelength_sets_ : 1;
         light.max_depth = plan_.max_depth;
         light.merging = plan_.merging;
         light.merges_everywhere = !plan_.first_vertex_only;
@@ -148,6 +153,8 @@ private:
             light.radius = first * static_cast<float>(std::sqrt(progressive_shrinkage(int64_t(context.pass) + 1)));
         }
         light.rules = plan_.rules;
+        // Splats are filtered: they would be another measurement than eye paths through the middle of each pixel.
+        if (film.settings().pixel_centers && plan_.rules.direct) light.rules.camera = false;
         light.rules.light_paths = static_cast<double>(light.paths);
         return light;
     }
@@ -198,7 +205,13 @@ std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& sett
 
 std::unique_ptr<Integrator> create_vcm(const World& world, const Settings& settings)
 {
-    std::unique_ptr<Bidirectional> vcm = create_stored(world, settings.word("techniques"), settings);
+    const std::string_view techniques = settings.word("techniques");
+    if (world.has_scattering_media && (techniques == "ppm" || techniques == "bpm"))
+        throw UserError(
+            fmt::format("techniques={} merges on surfaces alone, and this scene has media that scatter: use "
+                        "techniques=vcm, or bdpt",
+                        techniques));
+    std::unique_ptr<Bidirectional> vcm = create_stored(world, techniques, settings);
     vcm->set_merging(settings);
     return vcm;
 }

@@ -42,7 +42,7 @@ void splat_light_path(const PassContext& context, Film& film, const Bidirectiona
             double(seen.camera.importance) * geometric_cosine(vertex, seen.camera.wi) / rules.light_paths;
         const double back = reverse_pdf(vertex, seen.camera.wi, TransportMode::importance);
         const double others =
-            side_sum(rules, light.weights, to_here, back, subpaths.eta(vertex), joins_before(rules, light));
+            side_sum(rules, light.weights, to_here, back, subpaths.eta(path, vertex), joins_before(rules, light));
         const float weight = static_cast<float>(1.0 / (1.0 + others));
         PathEvents events = light.events;
         count(events, vertex);
@@ -96,14 +96,15 @@ void BidirectionalEyePath::trace()
         if (plan_.first_vertex_only && !vertex->has_delta_lobe()) return;
         if (eye_.depth() > 1 && !eye_.survive_roulette(sample_.random)) return;
     }
+    if (plan_.first_vertex_only && eye_.events().diffuse > 0) return;
     if (!eye_.medium_emission().is_black()) add_medium_emission();
-    if (eye_.escaped() && !(plan_.first_vertex_only && eye_.events().diffuse > 0)) add_environment();
+    if (eye_.escaped()) add_environment();
 }
 
 // Found by eye paths alone.
 void BidirectionalEyePath::add_medium_emission()
 {
-    add(eye_.medium_emission(), 1.0, PathClass::volume, LightGroup(0u), {0, eye_.depth() + 1});
+    add(eye_.medium_emission(), 1.0, PathClass::volume, LightGroup(0u), {0, eye_.depth() + (eye_.escaped() ? 2 : 1)});
 }
 
 PathEvents BidirectionalEyePath::events_at_vertex() const
@@ -130,7 +131,7 @@ bool BidirectionalEyePath::arrive()
             rules_, importance_at(world_.camera, vertex.at.position, vertex.distance, start_.time), cosine_in);
     else
         weights_ = advance(rules_, weights_, step(eye_.depth() - 1), sqr(double(vertex.distance)), cosine_in);
-    eta_ = vertex.is_delta() ? 0.0 : subpaths_.eta(vertex);
+    eta_ = vertex.is_delta() ? 0.0 : subpaths_.eta(path_, vertex);
     return true;
 }
 
@@ -231,8 +232,8 @@ void BidirectionalEyePath::join(const LightVertex& light)
     const double to_light = double(at_eye.pdf) * geometric_cosine(y, w) / distance2;
     const double to_eye = double(at_light.pdf) * geometric_cosine(z, w) / distance2;
     const double others =
-        side_sum(rules_, light.weights, to_light, reverse_pdf(y, -w, TransportMode::importance), subpaths_.eta(y),
-                 dapple::joins_before(rules_, light)) +
+        side_sum(rules_, light.weights, to_light, reverse_pdf(y, -w, TransportMode::importance),
+                 subpaths_.eta(path_, y), dapple::joins_before(rules_, light)) +
         side_sum(rules_, weights_, to_eye, reverse_pdf(z, w, TransportMode::radiance), eta_, joins_before());
     const Transmittance through = between(world_, z, y, start_, sample_.random);
     if (through.blocked()) return;

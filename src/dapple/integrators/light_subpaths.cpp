@@ -35,16 +35,6 @@ MergeRadius MergeRadius::operator*(float factor) const
     return radius;
 }
 
-bool can_be_met(const Light& light)
-{
-    switch (light.kind) {
-        case Light::Kind::area: return light.alpha > 0.0f;
-        case Light::Kind::environment:
-        case Light::Kind::environment_image: return true;
-        default: return false;
-    }
-}
-
 double emission_over_direct(const Light& light, const EmissionDensity& emission, float direct_pdf, float cosine_light,
                             float cosine_in, float distance2)
 {
@@ -118,6 +108,7 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
             else
                 traced.vertices.clear();
         }
+        traced.vertices.shrink_to_fit();
         if (plan_.stored) chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
     });
     context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
@@ -142,12 +133,11 @@ PathStart LightSubpaths::start(int64_t path) const
     return path_start(choose_wavelengths(model_, random.next()), u);
 }
 
-double LightSubpaths::eta(const Vertex& vertex) const
+double LightSubpaths::eta(int64_t path, const Vertex& vertex) const
 {
     if (!plan_.merging || !plan_.merges_everywhere || !vertex.on_surface) return 0.0;
     const double radius = plan_.radius.at(vertex.at.position);
-    // All sets have as many paths, but for one or two.
-    return pi * radius * radius * static_cast<double>(plan_.paths) / static_cast<double>(maps_.size());
+    return pi * radius * radius * static_cast<double>(paths_in_set(path));
 }
 
 void LightSubpaths::trace(const World& world, int64_t path, std::vector<LightVertex>& vertices) const
@@ -171,7 +161,7 @@ void LightSubpaths::trace(const World& world, int64_t path, std::vector<LightVer
                                    walk.depth() == 2 ? plan_.rules.direct : plan_.rules.inner};
             weights = advance(plan_.rules, weights, step, sqr(double(vertex->distance)), cosine_in);
         }
-        eta_before = eta(*vertex);
+        eta_before = eta(path, *vertex);
         if (!vertex->is_delta()) {
             const Carried carried = walk.carried();
             vertices.push_back({*vertex, carried.throughput, carried.path_pdf, weights, walk.events(), walk.light_group,

@@ -86,7 +86,7 @@ public:
 
     // Expected number of light vertices of the path's wavelengths that meet a disc of radius r, per unit of their
     // density per path: pi r^2 N; 0 where nothing is merged.
-    double eta(const Vertex& vertex) const;
+    double eta(int64_t path, const Vertex& vertex) const;
     // Of merging [m].
     float radius_at(const Vec3& position) const { return plan_.radius.at(position); }
     // Light paths that share the wavelengths of this one.
@@ -146,9 +146,6 @@ void LightSubpaths::for_each_near(int64_t path, const Vertex& at, float radius, 
 // area light's point; cosine_in and distance2: at and to the vertex. Without the probability of the light.
 double emission_over_direct(const Light& light, const EmissionDensity& emission, float direct_pdf, float cosine_light,
                             float cosine_in, float distance2);
-
-// Whether eye paths can meet the light.
-bool can_be_met(const Light& light);
 
 // The geometric cosine at a vertex; 1 in media.
 inline float geometric_cosine(const Vertex& vertex, const Vec3& w)

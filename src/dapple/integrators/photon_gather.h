@@ -165,7 +165,7 @@ public:
             if (!(first < infinity)) first = vertex->distance;
             since_last += vertex->distance;
             if (!counted_elsewhere(walk)) add_emission(walk, true);
-            if (walk.depth() > settings_.max_depth) return first;
+            if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
             if (!vertex->is_delta()) {
                 // What a smooth coat mirrors is seen sharply, as from the eye.
                 if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last))

@@ -149,7 +149,7 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
     plan.global_paths = paths_ > 0 ? paths_ : std::clamp<int64_t>(pixels, 100'000, 1'000'000);
     plan.caustic_paths = caustic_paths_ >= 0 ? caustic_paths_ : plan.global_paths;
     if (use_ == MapUse::global_alone) plan.caustic_paths = 0;
-    plan.wavelength_sets = film.settings().color_model == ColorModel::rgb ? 1 : wavelength_sets_;
+    plan.wavelength_sets = film.settings().color_model == ColorModel::spectral ? wavelength_sets_ : 1;
     plan.max_depth = max_depth_;
     // Irradiance does not remember which light it came from.
     plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&

@@ -76,7 +76,7 @@ public:
     int max_depth() const { return max_depth_; }
     // Light paths of a pass, all sets together.
     int64_t paths(Int2 resolution, ColorModel model) const;
-    int sets(ColorModel model) const { return model == ColorModel::rgb ? 1 : wavelength_sets_; }
+    int sets(ColorModel model) const { return model == ColorModel::spectral ? wavelength_sets_ : 1; }
     // r_i^2 / r_1^2 of pass 0, 1, ...
     double shrinkage(uint32_t pass) const { return progressive_shrinkage(int64_t(pass) + 1, alpha_); }
     // Radius at a visible point at the end of an eye path of this length in the first pass [m].

@@ -42,6 +42,17 @@ struct Light {
     MediumId medium_inside;  // area: behind it
 };
 
+// Whether a ray can meet the light: area lights (but those of alpha 0) and environments.
+inline bool can_be_met(const Light& light)
+{
+    switch (light.kind) {
+        case Light::Kind::area: return light.alpha > 0.0f;
+        case Light::Kind::environment:
+        case Light::Kind::environment_image: return true;
+        default: return false;
+    }
+}
+
 // An image map of a light, with the distribution to sample it; made by make_light.h. Environment and goniometric maps
 // use pbrt's equal-area octahedral layout. Pixels are constant over their squares, so that densities are exact.
 struct LightImage {

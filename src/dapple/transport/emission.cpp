@@ -3,6 +3,18 @@
 namespace dapple {
 namespace {
 
+// A homogeneous medium without bounds lets nothing through from a light infinitely far away.
+bool lost_on_the_way(const World& world, const Light& light, const Wavelengths& wavelengths)
+{
+    const bool far = light.kind == Light::Kind::distant || light.kind == Light::Kind::environment ||
+                     light.kind == Light::Kind::environment_image;
+    if (!far || !light.medium.valid()) return false;
+    const Medium& medium = world.media.list[light.medium.value];
+    if (medium.kind != Medium::Kind::homogeneous) return false;
+    const MediumPoint point = evaluate(world.media, world.spectra, medium, Vec3(0.0f), wavelengths);
+    return !(point.sigma_a + point.sigma_s).is_black();
+}
+
 // u_position and u_direction choose the ray of departure.light; start the rest.
 bool depart(const World& world, const PathStart& start, const Vec2& u_position, const Vec2& u_direction, Walk& walk,
             Departure& departure)
@@ -12,6 +24,7 @@ bool depart(const World& world, const PathStart& start, const Vec2& u_position, 
                          start.wavelengths, sample))
         return false;
     const Light& light = world.lights.list[departure.light.value];
+    if (lost_on_the_way(world, light, start.wavelengths)) return false;
     Ray ray = sample.ray;
     if (light.kind == Light::Kind::area) {
         sample.flux *= world.opacity(light, sample.ray.origin, sample.normal, sample.uv);

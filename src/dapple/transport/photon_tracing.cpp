@@ -14,7 +14,7 @@ bool start_path(const World& world, const PhotonRequest& request, RandomStream& 
     PathStart start = path_start(request.wavelengths, random.next_2d());
     if (request.time) start.time = *request.time;
     if (!emit(world, start, random, walk, departure)) return false;
-    delta_light = departure.sample.delta_position || departure.sample.delta_direction;
+    delta_light = !can_be_met(world.lights.list[departure.light.value]);
     return true;
 }
 
