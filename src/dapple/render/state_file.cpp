@@ -84,6 +84,7 @@ protected:
     }
     std::streamsize xsputn(const char* data, std::streamsize count) override
     {
+        if (count <= 0) return 0;
         if (count < epptr() - pptr()) {
             std::memcpy(pptr(), data, static_cast<size_t>(count));
             pbump(static_cast<int>(count));
