@@ -32,10 +32,9 @@ public:
     {
         if (!sums_) throw std::bad_alloc();
         // Splats go to random places: large pages save most of the address translation. Only a wish, hence unchecked.
-        const auto begin = reinterpret_cast<uintptr_t>(sums_.get());
-        const uintptr_t page = (begin + 4095) & ~uintptr_t(4095);
-        if (page < begin + size_ * sizeof(AtomicExactSum))
-            madvise(reinterpret_cast<void*>(page), begin + size_ * sizeof(AtomicExactSum) - page, MADV_HUGEPAGE);
+        void* page = sums_.get();
+        size_t left = size_ * sizeof(AtomicExactSum);
+        if (std::align(4096, 1, page, left)) madvise(page, left, MADV_HUGEPAGE);
     }
 
     int channels() const { return static_cast<int>(channel_names_.size()); }

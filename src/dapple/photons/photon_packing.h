@@ -46,7 +46,7 @@ uint32_t pack_unit(const Vec3& w)
 {
     const Vec2 p = octahedral_from_unit(w);
     const auto word = [](float x) {
-        return static_cast<uint32_t>((std::clamp(x, -1.0f, 1.0f) + 1.0f) * octahedral_steps<bits> + 0.5f);
+        return static_cast<uint32_t>(std::floor((std::clamp(x, -1.0f, 1.0f) + 1.0f) * octahedral_steps<bits> + 0.5f));
     };
     return word(p.x) | word(p.y) << bits;
 }

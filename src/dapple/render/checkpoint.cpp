@@ -46,8 +46,8 @@ StateFields to_fields(const CheckpointHeader& header)
     for (const std::string& text : record.report) add("report", text);
     add("seed", line(record.seed));
     add("threads", line(record.threads));
-    for (const auto& [name, value] : header.settings) add("setting", name + "=" + value);
-    for (const auto& [name, hash] : header.files) add("file", hash + " " + name);
+    for (const auto& [name, value] : header.settings) add("setting", fmt::format("{}={}", name, value));
+    for (const auto& [name, hash] : header.files) add("file", fmt::format("{} {}", hash, name));
     add("coats", line(header.pbrt_coats));
 
     const FilmSettings& film = header.film;
@@ -149,7 +149,7 @@ CheckpointHeader from_fields(const std::string& path, const FieldReader& fields)
 std::string settings_text(const CheckpointHeader& header)
 {
     std::vector<std::string> texts;
-    for (const auto& [name, value] : header.settings) texts.push_back(name + "=" + value);
+    for (const auto& [name, value] : header.settings) texts.push_back(fmt::format("{}={}", name, value));
     std::sort(texts.begin(), texts.end());
     return texts.empty() ? "the defaults" : fmt::format("{}", fmt::join(texts, " "));
 }

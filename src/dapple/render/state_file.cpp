@@ -202,7 +202,7 @@ void write_state_file(const std::string& path, const std::string& kind, const St
     if (file.descriptor() < 0) cannot(errno);
 
     std::string text;
-    for (const auto& [key, value] : fields) text += key + '\0' + value + '\0';
+    for (const auto& [key, value] : fields) text.append(key).append(1, '\0').append(value).append(1, '\0');
     HashingOutput bytes(file.descriptor());
     std::ostream out(&bytes);
     out << magic << padded_kind(kind);
