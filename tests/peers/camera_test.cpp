@@ -37,13 +37,7 @@ TestScene glowing_box(const View& camera, const View& filter)
 WorldBegin
 AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" [true]
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 1 -1  1 -1 -1  1 1 -1]
-Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 -1 1  1 -1 1]
-Shape "bilinearmesh" "point3 P" [-1 1 -1  -1 1 1  1 1 -1  1 1 1]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 -1 1  -1 1 -1  -1 1 1]
-Shape "bilinearmesh" "point3 P" [1 -1 -1  1 1 -1  1 -1 1  1 1 1]
-)");
+)" + box_walls);
 }
 
 class Borders : public PeerTest {};

@@ -38,7 +38,8 @@ void trace(const TestScene& scene, uint32_t path, bool with_roulette, Ledger& su
     const World& world = scene.world();
     RandomStream random(11, 7, path);
     Walk walk;
-    if (!emit(world, Wavelengths::rgb(), random, walk)) return;
+    Departure departure;
+    if (!emit(world, path_start(Wavelengths::rgb(), random.next_2d()), random, walk, departure)) return;
     double carried = walk.arriving()[1], roulette = 0;
     sum.emitted += carried;
     const Vertex* vertex = walk.next(world, random);
@@ -69,17 +70,7 @@ void trace(const TestScene& scene, uint32_t path, bool with_roulette, Ledger& su
     sum.roulette2 += roulette * roulette;
 }
 
-std::string closed_box()
-{
-    return R"(Material "diffuse" "rgb reflectance" [0.7 0.6 0.5]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 1 -1  1 -1 -1  1 1 -1]
-Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 -1 1  1 -1 1]
-Shape "bilinearmesh" "point3 P" [-1 1 -1  -1 1 1  1 1 -1  1 1 1]
-Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 -1 1  -1 1 -1  -1 1 1]
-Shape "bilinearmesh" "point3 P" [1 -1 -1  1 1 -1  1 -1 1  1 1 1]
-)";
-}
+std::string closed_box() { return std::string("Material \"diffuse\" \"rgb reflectance\" [0.7 0.6 0.5]\n") + box_walls; }
 std::string floor_alone()
 {
     return R"(Material "diffuse" "rgb reflectance" [0.7 0.6 0.5]

@@ -179,7 +179,8 @@ Flux emitted_flux(const TestScene& scene)
     for (uint32_t i = 0; i < paths; ++i) {
         RandomStream random(5, 3, i);
         Walk walk;
-        if (!emit(scene.world(), Wavelengths::rgb(), random, walk)) continue;
+        Departure departure;
+        if (!emit(scene.world(), path_start(Wavelengths::rgb(), random.next_2d()), random, walk, departure)) continue;
         sum += walk.source()[1];
         squares += double(walk.source()[1]) * walk.source()[1];
         const Vertex* vertex = walk.next(scene.world(), random);

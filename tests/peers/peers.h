@@ -16,6 +16,15 @@ namespace dapple::testing {
 inline constexpr int peer_batches = 16;
 inline constexpr double peer_significance = 1e-7;
 
+// The six walls of the box from -1 to 1, normals inwards.
+inline constexpr const char* box_walls = R"(Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 1 -1  1 -1 -1  1 1 -1]
+Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]
+Shape "bilinearmesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 -1 1  1 -1 1]
+Shape "bilinearmesh" "point3 P" [-1 1 -1  -1 1 1  1 1 -1  1 1 1]
+Shape "bilinearmesh" "point3 P" [-1 -1 -1  -1 -1 1  -1 1 -1  -1 1 1]
+Shape "bilinearmesh" "point3 P" [1 -1 -1  1 1 -1  1 -1 1  1 1 1]
+)";
+
 // Settings for pictures of about a hundred pixels; one set of photon maps for each batch.
 inline SettingList peer_settings(const std::string& integrator, uint32_t passes, int light_paths = 1000)
 {

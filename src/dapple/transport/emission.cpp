@@ -15,11 +15,16 @@ bool lost_on_the_way(const World& world, const Light& light, const Wavelengths& 
     return !(point.sigma_a + point.sigma_s).is_black();
 }
 
-// u_position and u_direction choose the ray of departure.light; start the rest.
-bool depart(const World& world, const PathStart& start, const Vec2& u_position, const Vec2& u_direction, Walk& walk,
-            Departure& departure)
+}  // namespace
+
+bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure)
 {
+    if (world.lights.list.empty()) return false;
+    departure.light = LightId(world.light_choice.sample(random.next()));
+    departure.probability = world.light_probability(departure.light);
     EmissionSample& sample = departure.sample;
+    const Vec2 u_position = random.next_2d();
+    const Vec2 u_direction = random.next_2d();
     if (!sample_emission(world.lights, world.spectra, departure.light, u_position, u_direction, start.time,
                          start.wavelengths, sample))
         return false;
@@ -35,38 +40,6 @@ bool depart(const World& world, const PathStart& start, const Vec2& u_position, 
                 start.kept_lane, sample.flux * (1.0f / departure.probability));
     walk.light_group = light.group;
     return !walk.source().is_black() && walk.source().is_finite();
-}
-
-bool depart_from(const World& world, LightId light, float probability, const Wavelengths& wavelengths,
-                 RandomStream& random, Walk& walk)
-{
-    const Vec2 u_position = random.next_2d();
-    const Vec2 u_direction = random.next_2d();
-    Departure departure{light, probability, {}};
-    return depart(world, path_start(wavelengths, random.next_2d()), u_position, u_direction, walk, departure);
-}
-
-}  // namespace
-
-bool emit(const World& world, const Wavelengths& wavelengths, RandomStream& random, Walk& walk)
-{
-    if (world.lights.list.empty()) return false;
-    const LightId id(world.light_choice.sample(random.next()));
-    return depart_from(world, id, world.light_probability(id), wavelengths, random, walk);
-}
-
-bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure)
-{
-    if (world.lights.list.empty()) return false;
-    departure.light = LightId(world.light_choice.sample(random.next()));
-    departure.probability = world.light_probability(departure.light);
-    const Vec2 u_position = random.next_2d();
-    return depart(world, start, u_position, random.next_2d(), walk, departure);
-}
-
-bool emit_from(const World& world, LightId light, const Wavelengths& wavelengths, RandomStream& random, Walk& walk)
-{
-    return depart_from(world, light, 1.0f, wavelengths, random, walk);
 }
 
 }  // namespace dapple

@@ -6,19 +6,15 @@
 
 namespace dapple {
 
-// A particle from a light chosen with World::light_choice. Its source() is the flux of all lights it stands for [W]:
-// the mean over particles of source() is the total emitted power. False when the chosen light emits nothing this way.
-bool emit(const World& world, const Wavelengths& wavelengths, RandomStream& random, Walk& walk);
-
-// The same with the start given, and where the particle left (for the weights of bidirectional methods).
+// Where a particle left, for the weights of bidirectional methods.
 struct Departure {
     LightId light;
     float probability = 0.0f;  // with which the light was chosen
     EmissionSample sample;
 };
-bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure);
 
-// A particle from the given light; source() is then that light's flux alone.
-bool emit_from(const World& world, LightId light, const Wavelengths& wavelengths, RandomStream& random, Walk& walk);
+// A particle from a light chosen with World::light_choice. Its source() is the flux of all lights it stands for [W]:
+// the mean over particles of source() is the total emitted power. False when the chosen light emits nothing this way.
+bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure);
 
 }  // namespace dapple

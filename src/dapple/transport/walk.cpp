@@ -33,23 +33,24 @@ Vec2 choose_lens_point(const Camera& camera, RandomStream& random)
     return Vec2(0.5f);
 }
 
+Walk start_at_lens(const World& world, const Vec2& raster, const Vec2& u_lens, const PathStart& start)
+{
+    const CameraRay camera_ray = generate_ray(world.camera, raster, u_lens, start.time);
+    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, start.wavelengths, start.kept_lane,
+                Spectrum(camera_ray.weight));
+}
+
 }  // namespace
 
 Walk start_at_camera(const World& world, const Vec2& raster, const PathStart& start, RandomStream& random)
 {
-    const CameraRay camera_ray =
-        generate_ray(world.camera, raster, choose_lens_point(world.camera, random), start.time);
-    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, start.wavelengths, start.kept_lane,
-                Spectrum(camera_ray.weight));
+    return start_at_lens(world, raster, choose_lens_point(world.camera, random), start);
 }
 
 Walk start_at_camera(const World& world, const Vec2& raster, const Wavelengths& wavelengths, RandomStream& random)
 {
     const Vec2 u_lens = choose_lens_point(world.camera, random);
-    const PathStart start = path_start(wavelengths, random.next_2d());
-    const CameraRay camera_ray = generate_ray(world.camera, raster, u_lens, start.time);
-    return Walk(camera_ray.ray, world.camera_medium, TransportMode::radiance, wavelengths, start.kept_lane,
-                Spectrum(camera_ray.weight));
+    return start_at_lens(world, raster, u_lens, path_start(wavelengths, random.next_2d()));
 }
 
 const Vertex* Walk::next(const World& world, RandomStream& random)

@@ -57,7 +57,8 @@ TEST(PhotonTracing, ConservesFluxInAClosedGreyBox)
     const double first = total_flux(trace_photons(*world, request), 2) / static_cast<double>(request.paths);
     RandomStream random(1, 1, 0);
     Walk walk;
-    ASSERT_TRUE(emit_from(*world, LightId(0u), request.wavelengths, random, walk));
+    Departure departure;
+    ASSERT_TRUE(emit(*world, path_start(request.wavelengths, random.next_2d()), random, walk, departure));
     EXPECT_NEAR(first, walk.source()[2], 1e-4 * walk.source()[2]);
 
     // All hits: the geometric series of the reflectance. Roulette ends paths; its spread is that of a geometric number

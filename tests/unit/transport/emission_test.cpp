@@ -22,7 +22,8 @@ TEST(Emission, StartsATwoSidedLightsPathsInTheMediumOfTheirSide)
     for (uint32_t i = 0; i < 64; ++i) {
         RandomStream random(1, 2, i);
         Walk walk;
-        ASSERT_TRUE(emit(*world, Wavelengths::rgb(), random, walk));
+        Departure departure;
+        ASSERT_TRUE(emit(*world, path_start(Wavelengths::rgb(), random.next_2d()), random, walk, departure));
         const bool up = walk.ray().direction.z > 0.0f;
         upwards += up;
         EXPECT_EQ(walk.medium(), MediumId(up ? 0u : 1u));
@@ -64,7 +65,8 @@ TEST(Emission, IsCutOutByATextureForAllTechniques)
                 sums.both += static_cast<double>(met_emission(world, eye, true)[0]);
             }
             Walk particle;
-            if (emit(world, Wavelengths::rgb(), random, particle))
+            Departure departure;
+            if (emit(world, path_start(Wavelengths::rgb(), random.next_2d()), random, particle, departure))
                 sums.emitted += static_cast<double>(particle.source()[0]);
         }
         return sums;
