@@ -86,7 +86,7 @@ public:
     {
         plan_.kernel = kernel_named(settings.word("kernel"));
         radius_pixels_ = static_cast<float>(settings.number("radius"));
-        fixed_radius_ = settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"));
+        fixed_radius_ = static_cast<float>(settings.number_or("fixedradius", 0.0));
         wavelength_sets_ = static_cast<int>(settings.integer("wavelengthsets"));
     }
 
@@ -125,7 +125,7 @@ public:
         std::vector<std::string> lines;
         lines.push_back(light_paths_ > 0 ? fmt::format("{} light paths per pass", light_paths_)
                                          : std::string("light paths per pass: one per pixel") +
-                                               (plan_.rules.inner || plan_.merging ? ", 1M at most" : ""));
+                                               (plan_.stores() ? ", 1M at most" : ""));
         if (plan_.merging)
             lines.push_back(fixed_radius_ > 0.0f
                                 ? fmt::format("merging radius {} m in the first pass", fixed_radius_)
@@ -137,7 +137,7 @@ private:
     LightSubpathPlan light_plan(const PassContext& context, const Film& film) const
     {
         LightSubpathPlan light;
-        light.stored = plan_.rules.inner || plan_.merging;
+        light.stored = plan_.stores();
         const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
         light.paths = light_paths_ > 0 ? light_paths_ : light.stored ? std::min(pixels, most_paths) : pixels;
         if (light.stored && memory_ > 0) light.paths = std::clamp<int64_t>(memory_ / bytes_per_path, 1, light.paths);
@@ -178,16 +178,11 @@ void warn_of_emitting_media(const World& world)
         log_warning("the light of emitting media is found by eye paths alone: no light paths start in them");
 }
 
-int64_t whole_or_auto(const Settings& settings, std::string_view name)
-{
-    return settings.is_auto(name) ? 0 : settings.integer(name);
-}
-
 std::unique_ptr<Integrator> create_lightpath(const World& world, const Settings& settings)
 {
     if (world.has_emitting_media)
         log_warning("lightpath leaves out the light of emitting media: no particles start in them; use path");
-    return std::make_unique<Bidirectional>(plan_of("lightpath", false, settings), whole_or_auto(settings, "particles"),
+    return std::make_unique<Bidirectional>(plan_of("lightpath", false, settings), settings.integer_or("particles", 0),
                                            0);
 }
 
@@ -195,7 +190,7 @@ std::unique_ptr<Bidirectional> create_stored(const World& world, std::string_vie
 {
     warn_of_emitting_media(world);
     return std::make_unique<Bidirectional>(plan_of(techniques, settings.word("heuristic") == "power", settings),
-                                           whole_or_auto(settings, "lightpaths"), whole_or_auto(settings, "memory"));
+                                           settings.integer_or("lightpaths", 0), settings.integer_or("memory", 0));
 }
 
 std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& settings)

@@ -70,7 +70,7 @@ BidirectionalEyePath::BidirectionalEyePath(const BidirectionalPlan& plan, const 
 void BidirectionalEyePath::add(const Spectrum& estimate, double weight, PathClass path_class, LightGroup group,
                                const Technique& technique)
 {
-    const Vec3 rgb = sample_.colors.to_rgb(estimate) * sample_.filter_weight;
+    const Vec3 rgb = sample_.filtered(estimate);
     sample_.sums.add(rgb * static_cast<float>(weight), path_class, group);
     if (record_) record_->add(rgb, static_cast<float>(weight), technique);
 }
@@ -261,20 +261,18 @@ void BidirectionalEyePath::merge()
         ++found;
         if (eye_.depth() + photon.depth - 1 > plan_.max_depth) return;
         const Vec3& wi = photon.direction;
-        const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
+        const auto [f, pdf_to_light] = evaluate_with_pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
         if (f.is_black()) return;
-        // Flux per area counts geometric cosines, reflection the shading one.
-        const float cosines = abs_dot(wi, vertex.bsdf.frame.n) / std::max(geometric_cosine(vertex, wi), 1e-4f);
         const float density = (carried.path_pdf * photon.path_pdf).average();
         if (!(density > 0.0f)) return;
         const double others =
-            merged_side_sum(rules_, photon.weights, pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance), eta,
-                            dapple::joins_before(rules_, photon)) +
+            merged_side_sum(rules_, photon.weights, pdf_to_light, eta, dapple::joins_before(rules_, photon)) +
             merged_side_sum(rules_, weights_, pdf(vertex.bsdf, wi, vertex.wo, TransportMode::radiance), eta,
                             joins_before());
         const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale;
-        add(carried.throughput * f * photon.throughput * (kernel * cosines / density), 1.0 / (1.0 + others),
-            classify(events, photon.events), photon.light_group, {photon.depth + 1, eye_.depth() + 1, true});
+        add(carried.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density),
+            1.0 / (1.0 + others), classify(events, photon.events), photon.light_group,
+            {photon.depth + 1, eye_.depth() + 1, true});
     });
     if (sample_.sums.radius == 0.0f) {
         sample_.sums.radius = radius;

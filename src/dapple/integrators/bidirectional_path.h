@@ -20,6 +20,9 @@ struct BidirectionalPlan {
     int max_depth = 100;
     KernelKind kernel = KernelKind::epanechnikov;  // of merging
     TechniqueFilms* techniques = nullptr;          // where each technique is recorded by itself, if at all
+
+    // Whether light vertices are needed after their path was traced.
+    bool stores() const { return rules.inner || merging; }
 };
 
 // Adds the light vertices of one path to the film, as the camera sees them (t = 1).

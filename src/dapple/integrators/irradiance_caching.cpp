@@ -54,14 +54,8 @@ public:
     void render_pass(const PassContext& context, Film& film) override
     {
         const std::shared_ptr<const CachedEpoch> epoch = epoch_of(context, film);
-        const int sets = static_cast<int>(epoch->photons->maps.size());
-        const auto set_of = [&](Int2 pixel) { return set_of_pixel(pixel, context.pass, sets); };
-        for_each_pixel(
-            context, film,
-            [&](Int2 pixel, RandomStream&) {
-                return epoch->photons->maps[static_cast<size_t>(set_of(pixel))].wavelengths;
-            },
-            [&](EyeSample& sample) { trace(context.world, *epoch, set_of(sample.pixel), sample); });
+        for_each_pixel_of_sets(context, film, epoch->photons->maps,
+                               [&](EyeSample& sample, size_t set) { trace(context.world, *epoch, set, sample); });
     }
 
     uint32_t correlated_passes() const override { return epochs_.correlated_passes(); }
@@ -99,16 +93,16 @@ private:
         return made;
     }
 
-    void trace(const World& world, const CachedEpoch& epoch, int set, EyeSample& sample) const
+    void trace(const World& world, const CachedEpoch& epoch, size_t set, EyeSample& sample) const
     {
-        const PhotonMapSet& maps = epoch.photons->maps[static_cast<size_t>(set)];
+        const PhotonMapSet& maps = epoch.photons->maps[set];
         PhotonGather<const EyeSample> gather(gather_settings_, world, maps, epoch.photons->shrinkage,
                                              sample.sums.light_groups() > 0, sample.random, sample);
         follow_eye(world, sample, gather_settings_.max_depth, gather, [&](const Walk& eye, float) {
             const Vertex& vertex = eye.vertex();
             Spectrum irradiance;
             if (!epoch.use_cache || !is_cached(vertex) ||
-                epoch.cache.look_up(vertex.at.position, cache_normal(vertex), set, irradiance) !=
+                epoch.cache.look_up(vertex.at.position, cache_normal(vertex), static_cast<int>(set), irradiance) !=
                     IrradianceCache::Answer::value) {
                 note_support(sample, gather.gather(eye, gather_rays_));
                 return true;

@@ -1,7 +1,6 @@
 #include "dapple/integrators/light_subpaths.h"
 
-#include "dapple/integrators/photon_maps.h"
-#include "dapple/integrators/pixel_loop.h"
+#include "dapple/integrators/wavelength_sets.h"
 #include "dapple/transport/emission.h"
 #include "dapple/transport/photon_tracing.h"
 
@@ -120,7 +119,7 @@ size_t LightSubpaths::set_of(int64_t path) const
 {
     if (plan_.wavelength_sets <= 1) return 0;
     const Int2 pixel(static_cast<int>(path % resolution_.x), static_cast<int>(path / resolution_.x));
-    return static_cast<size_t>(set_of_pixel(pixel, pass_, plan_.wavelength_sets));
+    return set_of_pixel(pixel, pass_, static_cast<size_t>(plan_.wavelength_sets));
 }
 
 PathStart LightSubpaths::start(int64_t path) const

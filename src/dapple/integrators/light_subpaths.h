@@ -4,7 +4,7 @@
 #pragma once
 
 #include "dapple/integrators/integrator.h"
-#include "dapple/photons/point_tree.h"
+#include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/subpath_weights.h"
 #include "dapple/transport/walk.h"
 
@@ -127,18 +127,12 @@ private:
 template <class Visitor>
 void LightSubpaths::for_each_near(int64_t path, const Vertex& at, float radius, Visitor&& visit) const
 {
-    // As for photon maps (SurfaceRegion): a flat disc, and normals that agree with the query's.
-    constexpr float least_normal_cosine = 0.5f;
     const Map& map = maps_[set_of(path)];
-    const Vec3 normal = face_forward(at.at.n_geometric, at.wo);
-    const bool both_sides = at.bsdf.transmits();
-    map.tree.for_each_within(DiscRegion{at.at.position, normal}, radius * radius, AcceptAll{},
-                             [&](uint32_t slot, float distance_squared) {
-                                 const MergePhoton& photon = map.photons[slot];
-                                 const float cosine = dot(photon.normal, normal);
-                                 if ((both_sides ? std::fabs(cosine) : cosine) > least_normal_cosine)
-                                     visit(photon, distance_squared);
-                             });
+    const SurfaceRegion region = surface_region(at.at.position, at.bsdf, at.wo);
+    map.tree.for_each_within(region.disc(), radius * radius, AcceptAll{}, [&](uint32_t slot, float distance_squared) {
+        const MergePhoton& photon = map.photons[slot];
+        if (region.takes(photon.normal)) visit(photon, distance_squared);
+    });
 }
 
 // The density of emission over that of light sampling, for a light's point seen from a vertex: both as the densities of

@@ -8,7 +8,7 @@ namespace dapple {
 
 GatherSettings::GatherSettings(const Settings& settings)
     : radius_pixels(static_cast<float>(settings.number("radius"))),
-      fixed_radius(settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"))),
+      fixed_radius(static_cast<float>(settings.number_or("fixedradius", 0.0))),
       caustic_nearest(static_cast<int>(settings.integer("spread"))),
       nearest(static_cast<int>(settings.integer("nearest"))),
       kernel(kernel_named(settings.word("kernel"))),
@@ -48,8 +48,7 @@ std::vector<WeightedPhoton>& PhotonFinder::scratch()
 EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, const PhotonMap& map,
                                    const Bandwidth& bandwidth)
 {
-    const SurfaceRegion region{vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo),
-                               vertex.bsdf.transmits() ? PhotonSide::both : PhotonSide::same};
+    const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
     return find_covered_photons(world, map, region, bandwidth, nearest_points(bandwidth.nearest), found_);
 }
 

@@ -227,26 +227,15 @@ template <class Sink>
 void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map)
 {
     const Vertex& vertex = walk.vertex();
-    const Spectrum throughput = walk.arriving() * share_;
-    const bool first = events(walk).diffuse == 0;
-    std::array<Spectrum, path_class_count> by_class{};
+    PhotonLight light(sink_, walk.arriving() * share_, light_groups_);
     for (const auto& [slot, weight] : finder_.found()) {
         const Vec3 wi = map.direction(slot);
         const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
         if (f.is_black()) continue;
-        // Flux per area counts geometric cosines, reflection the shading one.
-        const float cosines = abs_dot(wi, vertex.bsdf.frame.n) / std::max(abs_dot(wi, vertex.at.n_geometric), 1e-4f);
-        const Spectrum light = f * map.flux(slot) * (weight * cosines);
-        const auto path_class = first ? map.path_class(slot) : static_cast<uint8_t>(PathClass::indirect);
-        if (light_groups_)
-            sink_.add(throughput * light, static_cast<PathClass>(path_class), LightGroup(map.light_group(slot)));
-        else
-            by_class[path_class] += light;
+        light.add(f * map.flux(slot) * (weight * shading_per_area(vertex.bsdf, wi)),
+                  class_with_photon(events(walk), map.path_class(slot)), LightGroup(map.light_group(slot)));
     }
-    if (light_groups_) return;
-    for (int i = 0; i < path_class_count; ++i)
-        if (!by_class[static_cast<size_t>(i)].is_black())
-            sink_.add(throughput * by_class[static_cast<size_t>(i)], static_cast<PathClass>(i), LightGroup(0u));
+    light.hand_over();
 }
 
 template <class Sink>

@@ -53,13 +53,9 @@ public:
     void render_pass(const PassContext& context, Film& film) override
     {
         const std::shared_ptr<const PhotonEpoch> epoch = epochs_.of(context, film);
-        const int sets = static_cast<int>(epoch->maps.size());
-        const auto set_of = [&](Int2 pixel) -> const PhotonMapSet& {
-            return epoch->maps[static_cast<size_t>(set_of_pixel(pixel, context.pass, sets))];
-        };
-        for_each_pixel(
-            context, film, [&](Int2 pixel, RandomStream&) { return set_of(pixel).wavelengths; },
-            [&](EyeSample& sample) { trace(context.world, set_of(sample.pixel), epoch->shrinkage, sample); });
+        for_each_pixel_of_sets(context, film, epoch->maps, [&](EyeSample& sample, size_t set) {
+            trace(context.world, epoch->maps[set], epoch->shrinkage, sample);
+        });
     }
 
     uint32_t correlated_passes() const override { return epochs_.correlated_passes(); }

@@ -2,7 +2,6 @@
 
 #include "dapple/base/error.h"
 #include "dapple/density/schedule.h"
-#include "dapple/integrators/pixel_loop.h"
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/photon_tracing.h"
 
@@ -28,34 +27,7 @@ IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const B
                          });
 }
 
-// Van der Corput's sequence in base 2.
-double radical_inverse(uint64_t i)
-{
-    double value = 0.0;
-    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) value += digit * static_cast<double>(i & 1u);
-    return value;
-}
-
 }  // namespace
-
-float time_of_set(uint64_t seed, uint32_t pass, int set, int sets)
-{
-    const auto n = static_cast<uint64_t>(sets);
-    const uint64_t index = pass * n + (static_cast<uint64_t>(set) + pass / n) % n;
-    const double shift = to_unit_float(hash_words(seed, static_cast<uint64_t>(StreamPurpose::shutter)));
-    const double time = radical_inverse(index) + shift;
-    return static_cast<float>(std::min(time - std::floor(time), 0x1.fffffep-1));
-}
-
-Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, int set, int sets)
-{
-    // sample_visible repeats itself every quarter (it takes four stratified wavelengths), so the sets divide a quarter.
-    // The golden ratio spreads the epochs evenly between the sets' neighbours.
-    const double start = to_unit_float(hash_words(static_cast<uint64_t>(StreamPurpose::wavelength_set), seed));
-    const double turns = start + double(epoch) * 0.61803398874989485;
-    const float jitter = std::min(static_cast<float>(turns - std::floor(turns)), one_minus_epsilon);
-    return choose_wavelengths(model, (static_cast<float>(set) + jitter) / static_cast<float>(sets * Spectrum::lanes));
-}
 
 void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)
 {
@@ -127,15 +99,15 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
 
 PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator)
     : use_(use),
-      paths_(settings.is_auto("photons") ? 0 : settings.integer("photons")),
-      caustic_paths_(settings.is_auto("causticphotons") ? -1 : settings.integer("causticphotons")),
+      paths_(settings.integer_or("photons", 0)),
+      caustic_paths_(settings.integer_or("causticphotons", -1)),
       epoch_passes_(static_cast<uint32_t>(settings.integer("epoch"))),
       irradiance_bandwidth_{static_cast<int>(settings.integer("nearest")), infinity,
                             kernel_named(settings.word("kernel"))},
       irradiance_(settings.boolean("irradiance")),
       wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
       max_depth_(static_cast<int>(settings.integer("maxdepth"))),
-      memory_(settings.is_auto("memory") ? 0 : settings.integer("memory"))
+      memory_(settings.integer_or("memory", 0))
 {
     if (world.has_scattering_media || world.has_emitting_media)
         throw UserError(std::string(integrator) +

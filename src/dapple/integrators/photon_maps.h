@@ -5,8 +5,10 @@
 
 #include "dapple/density/irradiance_map.h"
 #include "dapple/integrators/integrator.h"
+#include "dapple/integrators/wavelength_sets.h"
 #include "dapple/photons/photon_map.h"
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -61,21 +63,44 @@ struct PhotonMapSet {
     IrradianceMap irradiance;  // empty unless asked for
 };
 
-// The wavelengths of set `set` of `sets` in an epoch: the sets of an epoch interleave, so that together they sample the
-// visible range finely and no epoch shows a tint.
-Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, int set, int sets);
-
-// The time in the shutter that all paths of a set share in a pass: so light and eye paths see moving things at one
-// place. Times are spread evenly as passes go on; sets change places every `sets` passes, so that no wavelengths belong
-// to a part of the shutter.
-float time_of_set(uint64_t seed, uint32_t pass, int set, int sets);
-
-// The set that a pixel uses in a pass: every 2 x 2 pixels use four sets, and each pixel goes round all of them.
-inline int set_of_pixel(Int2 pixel, uint32_t pass, int sets)
+// The class of a whole path: eye path so far, and a photon of class `photon` at its end.
+inline PathClass class_with_photon(const PathEvents& eye, uint8_t photon)
 {
-    return static_cast<int>((static_cast<uint32_t>(pixel.x) + 2u * static_cast<uint32_t>(pixel.y) + pass) %
-                            static_cast<uint32_t>(sets));
+    return eye.diffuse == 0 ? static_cast<PathClass>(photon) : PathClass::indirect;
 }
+
+// Adds up the light of many photons for a sink with add(radiance, class, group): by class, so that the sink is asked
+// once for each; photon by photon where the light of groups is told apart.
+template <class Sink>
+class PhotonLight {
+public:
+    // throughput: what the sums are multiplied by.
+    PhotonLight(Sink& sink, const Spectrum& throughput, bool light_groups)
+        : sink_(sink), throughput_(throughput), light_groups_(light_groups)
+    {
+    }
+
+    void add(const Spectrum& light, PathClass path_class, LightGroup group)
+    {
+        if (light_groups_)
+            sink_.add(throughput_ * light, path_class, group);
+        else
+            sums_[static_cast<size_t>(path_class)] += light;
+    }
+    // Call once, at the end.
+    void hand_over()
+    {
+        for (int i = 0; i < path_class_count; ++i)
+            if (!sums_[static_cast<size_t>(i)].is_black())
+                sink_.add(throughput_ * sums_[static_cast<size_t>(i)], static_cast<PathClass>(i), LightGroup(0u));
+    }
+
+private:
+    Sink& sink_;
+    const Spectrum throughput_;
+    const bool light_groups_;
+    std::array<Spectrum, path_class_count> sums_{};
+};
 
 // Lowers the numbers of paths until the maps of an epoch, and what building them takes, fit into `bytes`. Photons per
 // path are counted on a pilot of a few thousand paths, the same for every epoch.

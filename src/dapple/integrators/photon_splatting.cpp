@@ -8,6 +8,7 @@
 // The index: visible points are sorted by the power of two of their radius, and each such level has a hash grid (times
 // wavelength sets). Bias, rate of error and speed: as sppm.
 #include "dapple/integrators/registry.h"
+#include "dapple/integrators/surface_coverage.h"
 #include "dapple/integrators/visible_points.h"
 #include "dapple/photons/hash_grid.h"
 
@@ -86,14 +87,9 @@ public:
         for (const Level& level : levels_)
             level.grid.for_each_within(photon.position, [&](uint32_t i, float distance_squared) {
                 VisiblePoint& point = *level.points[i];
-                const Vec3 normal = face_forward(point.bsdf.n_geometric, point.wo);
-                const SurfaceRegion region{point.position, normal};
-                const float height = region.inverse_flatness * dot(photon.position - point.position, normal);
-                const float squared = std::max(distance_squared, sqr(height));
-                if (!(squared < sqr(point.radius))) return;
-                const float cosine = dot(photon.normal, normal);
-                if (!((point.bsdf.transmits() ? std::fabs(cosine) : cosine) > region.min_normal_cosine)) return;
-                visit(point, squared);
+                const SurfaceRegion region = surface_region(point.position, point.bsdf, point.wo);
+                const float squared = region.disc().distance_squared(photon.position, distance_squared);
+                if (squared < sqr(point.radius) && region.takes(photon.normal)) visit(point, squared);
             });
     }
 
@@ -146,24 +142,18 @@ private:
              std::vector<VisiblePoints>& points) const
     {
         const auto shrinkage = static_cast<float>(std::sqrt(settings_.shrinkage(context.pass)));
-        const auto set_of = [&](Int2 pixel) {
-            return static_cast<size_t>(set_of_pixel(pixel, context.pass, static_cast<int>(sets.size())));
-        };
-        for_each_pixel(
-            context, film, [&](Int2 pixel, RandomStream&) { return sets[set_of(pixel)].wavelengths; },
-            [&](EyeSample& sample) {
-                const size_t set = set_of(sample.pixel);
-                const auto keep = [&](const Walk& eye, float distance) {
-                    const Vertex& vertex = eye.vertex();
-                    const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
-                    const bool first = !(sample.sums.radius > 0.0f);
-                    if (first) sample.sums.radius = radius;
-                    points[set].add(sample.pixel.y - film.settings().crop_min.y,
-                                    {vertex.at.position, radius, vertex.wo, sample.pixel,
-                                     eye.arriving() * sample.filter_weight, vertex.bsdf, eye.events(), first, 0});
-                };
-                trace_visible_points(context.world, sample, sets[set].time, settings_.max_depth(), keep);
-            });
+        for_each_pixel_of_sets(context, film, sets, [&](EyeSample& sample, size_t set) {
+            const auto keep = [&](const Walk& eye, float distance) {
+                const Vertex& vertex = eye.vertex();
+                const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
+                const bool first = !(sample.sums.radius > 0.0f);
+                if (first) sample.sums.radius = radius;
+                points[set].add(sample.pixel.y - film.settings().crop_min.y,
+                                {vertex.at.position, radius, vertex.wo, sample.pixel,
+                                 eye.arriving() * sample.filter_weight, vertex.bsdf, eye.events(), first, 0});
+            };
+            trace_visible_points(context.world, sample, sets[set].time, settings_.max_depth(), keep);
+        });
     }
 
     void splat(const PassContext& context, Film& film, const PassSet& set, const VisiblePoints& points) const

@@ -41,9 +41,11 @@ struct EyeSample {
     RandomStream& random;
     bool guides_in_camera_space = false;
 
+    // What the pixel's filter makes of radiance, in sensor RGB.
+    Vec3 filtered(const Spectrum& radiance) const { return colors.to_rgb(radiance) * filter_weight; }
     void add(const Spectrum& radiance, PathClass path_class, LightGroup group) const
     {
-        sums.add(colors.to_rgb(radiance) * filter_weight, path_class, group);
+        sums.add(filtered(radiance), path_class, group);
     }
 };
 

@@ -9,8 +9,8 @@
 // path per pixel and a light path per pixel and wavelength set, and the sorting of some five photons per light path (31
 // bytes each). Left out: a test of uniformity that chooses radii (Lin et al. 2020, CPPM) needs statistics per pixel
 // over passes, so that passes would neither be pure functions nor add up in any order.
-#include "dapple/density/estimate.h"
 #include "dapple/integrators/registry.h"
+#include "dapple/integrators/surface_coverage.h"
 #include "dapple/integrators/visible_points.h"
 
 namespace dapple {
@@ -31,7 +31,7 @@ class ProgressivePhotonMapping final : public Integrator {
 public:
     ProgressivePhotonMapping(const World& world, const Settings& settings)
         : settings_(world, settings, "sppm"),
-          memory_(settings.is_auto("memory") ? 0 : settings.integer("memory")),
+          memory_(settings.integer_or("memory", 0)),
           report_(settings_.describe(world))
     {
     }
@@ -47,19 +47,13 @@ public:
             context.statistics.photons_stored += maps.back().size();
         }
         const auto shrinkage = static_cast<float>(std::sqrt(settings_.shrinkage(context.pass)));
-        const auto set_of = [&](Int2 pixel) {
-            return static_cast<size_t>(set_of_pixel(pixel, context.pass, static_cast<int>(sets.size())));
-        };
-        for_each_pixel(
-            context, film, [&](Int2 pixel, RandomStream&) { return sets[set_of(pixel)].wavelengths; },
-            [&](EyeSample& sample) {
-                const size_t set = set_of(sample.pixel);
-                trace_visible_points(
-                    context.world, sample, sets[set].time, settings_.max_depth(), [&](const Walk& eye, float distance) {
-                        const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
-                        gather(eye, maps[set], {0, radius, settings_.kernel()}, sample);
-                    });
-            });
+        for_each_pixel_of_sets(context, film, sets, [&](EyeSample& sample, size_t set) {
+            trace_visible_points(
+                context.world, sample, sets[set].time, settings_.max_depth(), [&](const Walk& eye, float distance) {
+                    const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
+                    gather(eye, maps[set], {0, radius, settings_.kernel()}, sample);
+                });
+        });
     }
 
     std::vector<std::string> report() const override { return report_; }
@@ -81,26 +75,16 @@ private:
     static void gather(const Walk& eye, const PhotonMap& map, const Bandwidth& bandwidth, EyeSample& sample)
     {
         const Vertex& vertex = eye.vertex();
-        const SurfaceRegion region{vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo),
-                                   vertex.bsdf.transmits() ? PhotonSide::both : PhotonSide::same};
-        const Spectrum throughput = eye.arriving();
-        const bool light_groups = sample.sums.light_groups() > 0;
-        std::array<Spectrum, path_class_count> by_class{};
+        const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
+        PhotonLight light(sample, eye.arriving(), sample.sums.light_groups() > 0);
         thread_local NearestPoints unused(2);
         const EstimateSupport support = visit_photons(map, region, bandwidth, unused, [&](uint32_t slot, float weight) {
             const uint8_t photon_class = map.path_class(slot);
-            const Spectrum light =
-                photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
-                                static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight);
-            const PathClass path_class = class_with_photon(eye.events(), photon_class);
-            if (light_groups)
-                sample.add(throughput * light, path_class, LightGroup(map.light_group(slot)));
-            else
-                by_class[static_cast<size_t>(path_class)] += light;
+            light.add(photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
+                                      static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight),
+                      class_with_photon(eye.events(), photon_class), LightGroup(map.light_group(slot)));
         });
-        for (int i = 0; i < path_class_count; ++i)
-            if (!by_class[static_cast<size_t>(i)].is_black())
-                sample.add(throughput * by_class[static_cast<size_t>(i)], static_cast<PathClass>(i), LightGroup(0u));
+        light.hand_over();
         if (sample.sums.radius > 0.0f) return;  // the layers show the first estimate of the eye path
         sample.sums.radius = bandwidth.max_radius;
         sample.sums.photon_density = support.density;

@@ -27,6 +27,9 @@ public:
     bool is_auto(std::string_view name) const;
     double number(std::string_view name) const;  // accepts 1e6, 500k, 2M, 1G
     int64_t integer(std::string_view name) const;
+    // The same, and `if_auto` where the value is "auto".
+    double number_or(std::string_view name, double if_auto) const { return is_auto(name) ? if_auto : number(name); }
+    int64_t integer_or(std::string_view name, int64_t if_auto) const { return is_auto(name) ? if_auto : integer(name); }
     bool boolean(std::string_view name) const;
     std::string_view word(std::string_view name) const;
 

@@ -12,11 +12,18 @@
 #pragma once
 
 #include "dapple/density/estimate.h"
+#include "dapple/materials/bsdf.h"
 #include "dapple/world/world.h"
 
 #include <vector>
 
 namespace dapple {
+
+// Where a density estimate for light from a surface towards wo looks.
+inline SurfaceRegion surface_region(const Vec3& position, const Bsdf& bsdf, const Vec3& wo)
+{
+    return {position, face_forward(bsdf.n_geometric, wo), bsdf.transmits() ? PhotonSide::both : PhotonSide::same};
+}
 
 struct SurfaceCoverage {
     float share = 1.0f;             // of the kernel's integral over the disc, in (0, 1]

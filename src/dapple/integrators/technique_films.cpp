@@ -66,12 +66,7 @@ Image TechniqueFilms::layers(std::vector<std::string>& channel_names) const
         std::vector<std::string> names;
         const Image image = film->layers(names);
         const std::string prefix = film == &weighted_ ? "weighted." : "unweighted.";
-        if (result.pixels.empty()) {
-            result.width = image.width;
-            result.height = image.height;
-            result.channels = static_cast<int>(2 * count);
-            result.pixels.resize(size_t(image.width) * image.height * 2 * count);
-        }
+        if (result.empty()) result = Image(image.width, image.height, static_cast<int>(2 * count));
         const size_t offset = film == &weighted_ ? 0 : count;
         const std::string group = "lightgroup_";
         size_t to = 0;

@@ -19,9 +19,9 @@ float scene_size(const World& world)
 }  // namespace
 
 VisiblePointSettings::VisiblePointSettings(const World& world, const Settings& settings, std::string_view integrator)
-    : paths_(settings.is_auto("photons") ? 0 : settings.integer("photons")),
+    : paths_(settings.integer_or("photons", 0)),
       radius_pixels_(static_cast<float>(settings.number("radius"))),
-      fixed_radius_(settings.is_auto("fixedradius") ? 0.0f : static_cast<float>(settings.number("fixedradius"))),
+      fixed_radius_(static_cast<float>(settings.number_or("fixedradius", 0.0))),
       alpha_(settings.number("alpha")),
       kernel_(kernel_named(settings.word("kernel"))),
       wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
@@ -93,9 +93,7 @@ Spectrum photon_radiance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, const
         const float density = pdf(bsdf, wo, wi, TransportMode::radiance);
         share = 1.0f - (caustic ? eye_share_of_caustic(density) : eye_share(density));
     }
-    // Flux per area counts geometric cosines, reflection the shading one.
-    const float cosines = abs_dot(wi, bsdf.frame.n) / std::max(abs_dot(wi, bsdf.n_geometric), 1e-4f);
-    return f * flux * (weight * share * cosines);
+    return f * flux * (weight * share * shading_per_area(bsdf, wi));
 }
 
 }  // namespace dapple

@@ -106,12 +106,6 @@ private:
 Spectrum photon_radiance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, const Spectrum& flux, PathClass path_class,
                          bool from_delta_light, float weight);
 
-// The class of a whole path: eye path so far, and a photon of class `photon` at its end.
-inline PathClass class_with_photon(const PathEvents& eye, uint8_t photon)
-{
-    return eye.diffuse == 0 ? static_cast<PathClass>(photon) : PathClass::indirect;
-}
-
 // One eye path: records guides, adds emission and direct light, and calls visit(walk, distance) at each visible point;
 // distance is the length of the path [m].
 template <class Visit>

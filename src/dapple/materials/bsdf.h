@@ -87,6 +87,13 @@ BsdfValue evaluate_with_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, Tr
 // Samples wi given wo from u_lobe and u in [0,1). False when the light is absorbed.
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u, TransportMode mode, BsdfSample& sample);
 
+// What turns flux per area that arrives from wi, which counts geometric cosines, into what reflection counts: the
+// shading cosine over the geometric one.
+inline float shading_per_area(const Bsdf& bsdf, const Vec3& wi)
+{
+    return abs_dot(wi, bsdf.frame.n) / std::max(abs_dot(wi, bsdf.n_geometric), 1e-4f);
+}
+
 // The albedo for guides and denoisers: reflectance of diffuse kinds, normal-incidence colour of the others; in [0, 1].
 Spectrum guide_albedo(const Bsdf& bsdf, const Vec3& wo);
 

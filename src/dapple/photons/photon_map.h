@@ -28,6 +28,16 @@ struct SurfaceRegion {
     PhotonSide side = PhotonSide::same;
     float inverse_flatness = 10.0f;
     float min_normal_cosine = 0.5f;
+
+    DiscRegion disc() const { return {position, normal, inverse_flatness}; }
+    // Whether a photon of this normal counts.
+    bool takes(const Vec3& photon_normal) const
+    {
+        const float cosine = dot(photon_normal, normal);
+        return (side == PhotonSide::same       ? cosine
+                : side == PhotonSide::opposite ? -cosine
+                                               : std::fabs(cosine)) > min_normal_cosine;
+    }
 };
 
 class PhotonMap {
@@ -80,11 +90,11 @@ public:
     template <class Visitor>
     void for_each_on_surface(const SurfaceRegion& region, float radius, Visitor&& visit) const
     {
-        tree_.for_each_within(disc(region), radius * radius, NormalFilter{normal_.data(), region}, visit);
+        tree_.for_each_within(region.disc(), radius * radius, NormalFilter{normal_.data(), region}, visit);
     }
     void find_nearest_on_surface(const SurfaceRegion& region, float max_radius, NearestPoints& result) const
     {
-        tree_.find_nearest(disc(region), max_radius * max_radius, NormalFilter{normal_.data(), region}, result);
+        tree_.find_nearest(region.disc(), max_radius * max_radius, NormalFilter{normal_.data(), region}, result);
     }
 
 private:
@@ -96,8 +106,6 @@ private:
         uint8_t path_class;
     };
     static_assert(sizeof(Payload) == 14);
-
-    static DiscRegion disc(const SurfaceRegion& r) { return {r.position, r.normal, r.inverse_flatness}; }
 
     // Compares eight packed normals with that of the query, without normalising them.
     struct NormalFilter {

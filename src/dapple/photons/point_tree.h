@@ -44,6 +44,11 @@ struct DiscRegion {
                               dz * Float8::all(normal.z * inverse_flatness);
         return max(dx * dx + dy * dy + dz * dz, height * height);
     }
+    // The same for one point, whose distance to the centre is known.
+    float distance_squared(const Vec3& p, float to_center_squared) const
+    {
+        return std::max(to_center_squared, sqr(inverse_flatness * dot(p - center, normal)));
+    }
 };
 
 // The filter that takes every point.
