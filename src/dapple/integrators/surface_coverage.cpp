@@ -8,7 +8,6 @@ namespace {
 constexpr int first_points = 16;
 constexpr int further_points = 32;
 constexpr float golden_angle = 2.39996323f;
-constexpr float half_time = 0.5f;
 
 // The nearest surface that is no mere boundary of media.
 bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
@@ -29,9 +28,10 @@ bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
 // Looks at the neighbourhood of one query.
 class Neighbourhood {
 public:
-    Neighbourhood(const World& world, const SurfaceRegion& region, float radius)
+    Neighbourhood(const World& world, const SurfaceRegion& region, float radius, float time)
         : world_(world),
           region_(region),
+          time_(time),
           frame_(region.normal),
           radius_(radius),
           height_(radius / region.inverse_flatness),
@@ -64,7 +64,7 @@ public:
         const float distance = length(to);
         if (!(distance > 1e-3f * height_)) return true;
         SurfacePoint point;
-        return !meet_surface(world_, Ray{eye_, to * (1.0f / distance), half_time}, distance, point);
+        return !meet_surface(world_, Ray{eye_, to * (1.0f / distance), time_}, distance, point);
     }
 
     SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
@@ -74,13 +74,14 @@ private:
     // Whether photons that count for the query could lie near a point of its tangent plane.
     bool meets_surface(const Vec3& p, SurfacePoint& point) const
     {
-        const Ray down{p + region_.normal * height_, -region_.normal, half_time};
+        const Ray down{p + region_.normal * height_, -region_.normal, time_};
         if (!meet_surface(world_, down, 2.0f * height_, point)) return false;
         return abs_dot(point.n_geometric, region_.normal) > region_.min_normal_cosine;
     }
 
     const World& world_;
     const SurfaceRegion& region_;
+    const float time_;
     const Frame frame_;
     const float radius_;
     const float height_;
@@ -90,12 +91,12 @@ private:
     bool hidden_ = false;
 };
 
-Neighbourhood look_around(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel)
+Neighbourhood look_around(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel, float time)
 {
     // Turned by a number that belongs to the place: neighbours do not repeat one another's error.
     const uint64_t place =
         hash_words(float_bits(region.position.x), float_bits(region.position.y), float_bits(region.position.z));
-    Neighbourhood neighbourhood(world, region, radius);
+    Neighbourhood neighbourhood(world, region, radius, time);
     const float turn = 2.0f * pi * to_unit_float(place);
     neighbourhood.count(first_points, turn, kernel);
     if (!neighbourhood.whole()) neighbourhood.count(further_points, turn + 1.0f, kernel);
@@ -104,21 +105,22 @@ Neighbourhood look_around(const World& world, const SurfaceRegion& region, float
 
 }  // namespace
 
-SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel)
+SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,
+                                 float time)
 {
-    return look_around(world, region, radius, kernel).coverage();
+    return look_around(world, region, radius, kernel, time).coverage();
 }
 
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
                                      const Bandwidth& bandwidth, NearestPoints& nearest,
-                                     std::vector<WeightedPhoton>& found)
+                                     std::vector<WeightedPhoton>& found, float time)
 {
     found.clear();
     const EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
         found.push_back({slot, weight});
     });
     if (found.empty()) return support;
-    const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel);
+    const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel, time);
     const SurfaceCoverage coverage = neighbourhood.coverage();
     if (coverage.something_hidden)
         std::erase_if(found, [&](const WeightedPhoton& p) { return !neighbourhood.sees(map.position(p.first)); });

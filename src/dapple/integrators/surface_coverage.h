@@ -8,7 +8,7 @@
 //
 // Cost: 32 short rays where the disc is whole, 96 where it is not. Bias: the share has a relative error of about 2 % at
 // a straight edge, which the quotient turns into some 1e-3 of brightening there; mirrors and glass that lie in the
-// plane of a matte surface count as covered. Objects that move are looked at where they are at half time.
+// plane of a matte surface count as covered. Objects that move are looked at where they are at one time.
 #pragma once
 
 #include "dapple/density/estimate.h"
@@ -31,12 +31,14 @@ struct SurfaceCoverage {
 };
 
 // A pure function of its arguments. Regions of both sides ask for the surface alone: nothing counts as hidden.
-SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel);
+// time: in [0, 1] over the shutter, when the world is looked at.
+SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,
+                                 float time = 0.5f);
 
 // The photons that take part in an estimate (density/estimate.h), with weights that allow for coverage. Replaces the
 // contents of `found`. `nearest` as for visit_photons.
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
                                      const Bandwidth& bandwidth, NearestPoints& nearest,
-                                     std::vector<WeightedPhoton>& found);
+                                     std::vector<WeightedPhoton>& found, float time = 0.5f);
 
 }  // namespace dapple
