@@ -32,7 +32,7 @@ struct VisiblePoint {
     float radius;  // [m]
     Vec3 wo;
     Int2 pixel;
-    Spectrum throughput;  // of the eye path, pixel filter included
+    Spectrum throughput;  // of the eye path, pixel filter and allowance for the surface's edges included
     Bsdf bsdf;
     PathEvents events;  // of the eye path before this vertex
     bool first;         // of its eye path: the layer of photon density shows it
@@ -79,7 +79,7 @@ public:
         }
     }
 
-    // Calls visit(point, distance^2) for each point whose disc holds the photon, on its side of the surface: as
+    // Calls visit(point, region, distance^2) for each point whose disc holds the photon, on its side of the surface: as
     // PhotonMap::for_each_on_surface, seen from the photon.
     template <class Visit>
     void for_each_around(const Photon& photon, const Visit& visit) const
@@ -89,7 +89,7 @@ public:
                 VisiblePoint& point = *level.points[i];
                 const SurfaceRegion region = surface_region(point.position, point.bsdf, point.wo);
                 const float squared = region.disc().distance_squared(photon.position, distance_squared);
-                if (squared < sqr(point.radius) && region.takes(photon.normal)) visit(point, squared);
+                if (squared < sqr(point.radius) && region.takes(photon.normal)) visit(point, region, squared);
             });
     }
 
@@ -148,9 +148,14 @@ private:
                 const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
                 const bool first = !(sample.sums.radius > 0.0f);
                 if (first) sample.sums.radius = radius;
-                points[set].add(sample.pixel.y - film.settings().crop_min.y,
-                                {vertex.at.position, radius, vertex.wo, sample.pixel,
-                                 eye.arriving() * sample.filter_weight, vertex.bsdf, eye.events(), first, 0});
+                RandomStream trials = stream_of_trials(sample.random, eye.depth());
+                const float inverse_coverage =
+                    sampled_inverse_coverage(context.world, surface_region(vertex.at.position, vertex.bsdf, vertex.wo),
+                                             radius, settings_.kernel(), vertex.at.time, trials);
+                points[set].add(
+                    sample.pixel.y - film.settings().crop_min.y,
+                    {vertex.at.position, radius, vertex.wo, sample.pixel,
+                     eye.arriving() * (sample.filter_weight * inverse_coverage), vertex.bsdf, eye.events(), first, 0});
             };
             trace_visible_points(context.world, sample, sets[set].time, settings_.max_depth(), keep);
         });
@@ -163,16 +168,17 @@ private:
             if (context.cancelled()) return;
             std::vector<Photon> photons;
             trace_photons(context.world, set.photons, begin, end, photons);
-            for (const Photon& photon : photons) add(film, colors, set, points, photon);
+            for (const Photon& photon : photons) add(context.world, film, colors, set, points, photon);
         });
         context.statistics.light_paths += static_cast<uint64_t>(set.photons.paths);
     }
 
-    void add(Film& film, const Sensor::LaneColors& colors, const PassSet& set, const VisiblePoints& points,
-             const Photon& photon) const
+    void add(const World& world, Film& film, const Sensor::LaneColors& colors, const PassSet& set,
+             const VisiblePoints& points, const Photon& photon) const
     {
         const float per_path = 1.0f / static_cast<float>(set.photons.paths);
-        points.for_each_around(photon, [&](VisiblePoint& point, float distance_squared) {
+        const float time = set.time.value_or(0.0f);
+        points.for_each_around(photon, [&](VisiblePoint& point, const SurfaceRegion& region, float distance_squared) {
             std::atomic_ref(point.photons).fetch_add(1, std::memory_order_relaxed);
             const float inv_radius = 1.0f / point.radius;
             const float weight = kernel_disc(settings_.kernel(), std::sqrt(distance_squared) * inv_radius) *
@@ -180,9 +186,10 @@ private:
             const Spectrum light =
                 photon_radiance(point.bsdf, point.wo, photon.direction, photon.flux,
                                 static_cast<PathClass>(photon.path_class), photon.from_delta_light, weight);
-            if (!light.is_black())
-                film.add_to_pixel(point.pixel, colors.to_rgb(point.throughput * light),
-                                  class_with_photon(point.events, photon.path_class), LightGroup(photon.light_group));
+            if (light.is_black()) return;
+            const float seen = sampled_visibility(world, region, point.radius, photon.position, time);
+            film.add_to_pixel(point.pixel, colors.to_rgb(point.throughput * light) * seen,
+                              class_with_photon(point.events, photon.path_class), LightGroup(photon.light_group));
         });
     }
 

@@ -51,7 +51,7 @@ public:
             trace_visible_points(
                 context.world, sample, sets[set].time, settings_.max_depth(), [&](const Walk& eye, float distance) {
                     const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
-                    gather(eye, maps[set], {0, radius, settings_.kernel()}, sample);
+                    gather(context.world, eye, maps[set], {0, radius, settings_.kernel()}, sample);
                 });
         });
     }
@@ -72,13 +72,21 @@ private:
         return plan.global_paths;
     }
 
-    static void gather(const Walk& eye, const PhotonMap& map, const Bandwidth& bandwidth, EyeSample& sample)
+    static void gather(const World& world, const Walk& eye, const PhotonMap& map, const Bandwidth& bandwidth,
+                       EyeSample& sample)
     {
         const Vertex& vertex = eye.vertex();
         const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
         PhotonLight light(sample, eye.arriving(), sample.sums.light_groups() > 0);
         thread_local NearestPoints unused(2);
+        const float radius = bandwidth.max_radius, time = vertex.at.time;
+        std::optional<float> inverse_coverage;  // asked for with the first photon
         const EstimateSupport support = visit_photons(map, region, bandwidth, unused, [&](uint32_t slot, float weight) {
+            if (!inverse_coverage) {
+                RandomStream trials = stream_of_trials(sample.random, eye.depth());
+                inverse_coverage = sampled_inverse_coverage(world, region, radius, bandwidth.kernel, time, trials);
+            }
+            weight *= *inverse_coverage * sampled_visibility(world, region, radius, map.position(slot), time);
             const uint8_t photon_class = map.path_class(slot);
             light.add(photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
                                       static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight),

@@ -1,6 +1,7 @@
 #include "dapple/integrators/surface_coverage.h"
 
 #include "dapple/math/hash.h"
+#include "dapple/sampling/warps.h"
 
 namespace dapple {
 namespace {
@@ -8,6 +9,8 @@ namespace {
 constexpr int first_points = 16;
 constexpr int further_points = 32;
 constexpr float golden_angle = 2.39996323f;
+constexpr int most_trials = 128;
+constexpr uint32_t photons_per_look = 8;
 
 // The nearest surface that is no mere boundary of media.
 bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
@@ -23,6 +26,22 @@ bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
         ray.origin = offset_ray_origin(point.position, point.error, point.n_geometric, ray.direction);
     }
     return false;
+}
+
+// A point of the unit disc with the density of the kernel.
+Vec2 kernel_point(KernelKind kernel, RandomStream& random)
+{
+    for (;;) {
+        const Vec2 point = sample_disk_concentric(random.next_2d());
+        const float t = std::sqrt(sqr(point.x) + sqr(point.y));
+        if (random.next() < detail::kernel_shape(kernel, t)) return point;
+    }
+}
+
+// Whether short rays are longer than rounding errors, and not so long that their lengths have no squares.
+bool can_look_around(const SurfaceRegion& region, float radius)
+{
+    return radius < 1e18f && radius > 5e-7f * region.inverse_flatness * max_component(abs(region.position));
 }
 
 // Looks at the neighbourhood of one query.
@@ -67,6 +86,23 @@ public:
         return !meet_surface(world_, Ray{eye_, to * (1.0f / distance), time_}, distance, point);
     }
 
+    // The area [disc radius^2] of seen surface over a unit of area of the disc round a point of it, weighed by what the
+    // kernel gives to a photon there over what it gives to the point: 0 where photons cannot count, 1 on a plane, at
+    // most 2.
+    float area_at(const Vec2& on_disc, KernelKind kernel) const
+    {
+        const Vec3 offset = (frame_.s * on_disc.x + frame_.t * on_disc.y) * radius_;
+        SurfacePoint point;
+        if (!meets_surface(region_.position + offset, point)) return 0.0f;
+        if (region_.side != PhotonSide::both && !sees(point.position)) return 0.0f;
+        const float area = 1.0f / abs_dot(point.n_geometric, region_.normal);
+        const float height = dot(point.position - region_.position, region_.normal) / radius_;
+        const float squared = sqr(on_disc.x) + sqr(on_disc.y);
+        const float t = std::sqrt(std::max(squared + sqr(height), sqr(height * region_.inverse_flatness)));
+        if (!(t < 1.0f)) return 0.0f;
+        return area * detail::kernel_shape(kernel, t) / detail::kernel_shape(kernel, std::sqrt(squared));
+    }
+
     SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
     bool whole() const { return covered_ == all_; }
 
@@ -109,6 +145,31 @@ SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region
                                  float time)
 {
     return look_around(world, region, radius, kernel, time).coverage();
+}
+
+float sampled_inverse_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,
+                               float time, RandomStream& random)
+{
+    if (!can_look_around(region, radius)) return 1.0f;
+    const Neighbourhood neighbourhood(world, region, radius, time);
+    float sum = 1.0f, term = 1.0f;
+    for (int trial = 0; trial < most_trials; ++trial) {
+        const float missing = 1.0f - neighbourhood.area_at(kernel_point(kernel, random), kernel);
+        if (!(random.next() < std::fabs(missing))) break;
+        if (missing < 0.0f) term = -term;
+        sum += term;
+    }
+    return sum;
+}
+
+float sampled_visibility(const World& world, const SurfaceRegion& region, float radius, const Vec3& photon, float time)
+{
+    if (region.side == PhotonSide::both || !can_look_around(region, radius)) return 1.0f;
+    const Vec3& at = region.position;
+    const uint64_t pair = hash_words(float_bits(at.x) << 32 | float_bits(at.y), float_bits(at.z),
+                                     float_bits(photon.x) << 32 | float_bits(photon.y), float_bits(photon.z));
+    if (pair % photons_per_look != 0) return 1.0f;
+    return Neighbourhood(world, region, radius, time).sees(photon) ? 1.0f : 1.0f - float(photons_per_look);
 }
 
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,

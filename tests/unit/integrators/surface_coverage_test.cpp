@@ -5,6 +5,8 @@
 #include "dapple/sampling/random_stream.h"
 #include "dapple/world/compile.h"
 
+#include <numbers>
+
 namespace dapple {
 namespace {
 
@@ -53,6 +55,76 @@ TEST(SurfaceCoverage, EndsAtAWall)
     const SurfaceCoverage foot = surface_coverage(*world, at(0.1f, 1e-4f), 0.2f, KernelKind::constant);
     EXPECT_TRUE(foot.something_hidden);
     EXPECT_NEAR(foot.share, 0.5f, 0.05f);
+}
+
+// The mean of many trials; 1 or more on a plane, and one trial where the disc is whole.
+TEST(SampledInverseCoverage, HasTheReciprocalOfTheShareAsItsMean)
+{
+    const auto world = square_with_wall();
+    RandomStream random(3, 1, 0);
+    const auto mean = [&](const SurfaceRegion& region, KernelKind kernel) {
+        constexpr int trials = 20000;
+        double sum = 0.0;
+        for (int i = 0; i < trials; ++i) sum += sampled_inverse_coverage(*world, region, 0.2f, kernel, 0.5f, random);
+        return sum / trials;
+    };
+    for (KernelKind kernel : {KernelKind::constant, KernelKind::cone, KernelKind::gaussian, KernelKind::epanechnikov,
+                              KernelKind::silverman}) {
+        EXPECT_EQ(mean(at(0.3f, 0.5f), kernel), 1.0);
+        // Standard errors: sqrt(2 / 20000) = 0.01 and sqrt(12 / 20000) = 0.025.
+        EXPECT_NEAR(mean(at(0.99999f, 0.5f), kernel), 2.0, 0.04);
+        EXPECT_NEAR(mean(at(0.99999f, 0.99999f), kernel), 4.0, 0.1);
+        EXPECT_NEAR(mean(at(0.1f, 1e-5f), kernel), 2.0, 0.04);  // hidden behind the wall
+    }
+    // Half a radius from the edge the disc is 0.80450 covered: 1 - (acos(1/2) - sqrt(3)/4) / pi.
+    EXPECT_NEAR(mean(at(0.9f, 0.5f), KernelKind::constant), 1.0 / 0.80450, 0.02);
+}
+
+// On a ball whose discs are cut by their height, as many photons per area as everywhere else give the same estimate.
+TEST(SampledInverseCoverage, AllowsForCurvature)
+{
+    scene::Description description;
+    description.materials.resize(1);
+    description.materials[0].kind = scene::DiffuseMaterial{scene::SpectrumInput(0.5f)};
+    description.shapes.resize(1);
+    description.shapes[0].geometry = scene::Sphere{};
+    description.shapes[0].material = scene::MaterialIndex(0u);
+    description.shapes[0].name = "ball";
+    const auto world = compile(std::move(description));
+    const SurfaceRegion top{Vec3(0, 0, 1), Vec3(0, 0, 1)};
+    for (KernelKind kernel : {KernelKind::constant, KernelKind::epanechnikov})
+        for (const float radius : {0.15f, 0.4f, 0.9f}) {
+            // The integral of the kernel over the ball's area, dA = 2 pi dz.
+            double share = 0.0;
+            constexpr int steps = 100000;
+            for (int i = 0; i < steps; ++i) {
+                const double z = 1.0 - (i + 0.5) / steps;
+                const double distance = std::max(std::sqrt(2.0 - 2.0 * z), 10.0 * (1.0 - z));
+                if (z > 0.5)
+                    share += double(kernel_disc(kernel, static_cast<float>(distance / double(radius)))) * 2.0 *
+                             std::numbers::pi / (steps * double(sqr(radius)));
+            }
+            RandomStream random(4, 1, 0);
+            double mean = 0.0;
+            constexpr int trials = 50000;
+            for (int i = 0; i < trials; ++i)
+                mean += sampled_inverse_coverage(*world, top, radius, kernel, 0.5f, random) / trials;
+            EXPECT_NEAR(mean * share, 1.0, 4.0 * std::sqrt((1.0 / share) / trials) + 0.002) << radius;
+        }
+}
+
+// Photons that are seen keep their weight, those behind the wall cancel out over many pairs.
+TEST(SampledVisibility, IsOneOrZeroOnAverage)
+{
+    const auto world = square_with_wall();
+    double hidden = 0.0;
+    constexpr int pairs = 20000;
+    for (int i = 0; i < pairs; ++i) {
+        const float x = 0.5f * static_cast<float>(i) / pairs;
+        EXPECT_EQ(sampled_visibility(*world, at(x, 0.05f), 0.2f, Vec3(x, 0.1f, 0.0f), 0.5f), 1.0f);
+        hidden += sampled_visibility(*world, at(x, 0.05f), 0.2f, Vec3(x, -0.05f, 0.0f), 0.5f) / pairs;
+    }
+    EXPECT_NEAR(hidden, 0.0, 4.0 * std::sqrt(7.0 / pairs));
 }
 
 // The square lit evenly on the side y > 0 of the wall, dark on the other; k nearest and fixed radius. Everywhere on the
