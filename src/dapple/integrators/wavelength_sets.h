@@ -15,10 +15,15 @@ Wavelengths wavelengths_of_set(ColorModel model, uint64_t seed, uint32_t epoch, 
 // to a part of the shutter.
 float time_of_set(uint64_t seed, uint32_t pass, int set, int sets);
 
-// The set that a pixel uses in a pass: every 2 x 2 pixels use four sets, and each pixel goes round all of them.
+// The set that a pixel uses in a pass: every block of 2 x 2 pixels uses four sets, and each pixel goes round all of
+// them. Blocks do so in orders of their own, which change with every round: the photons of a set are smooth noise, and
+// a regular order would show it as a screen of dots.
 inline size_t set_of_pixel(Int2 pixel, uint32_t pass, size_t sets)
 {
-    return (static_cast<uint32_t>(pixel.x) + 2u * static_cast<uint32_t>(pixel.y) + pass) % sets;
+    const auto x = static_cast<uint32_t>(pixel.x), y = static_cast<uint32_t>(pixel.y);
+    const uint64_t block = (uint64_t(y / 2) << 32) | (x / 2);
+    const auto turn = static_cast<uint32_t>(hash_words(block, pass / sets)) & 3u;
+    return ((((x & 1u) + 2u * (y & 1u)) ^ turn) + pass) % sets;
 }
 
 // for_each_pixel where pixel after pixel takes its set: calls trace(EyeSample&, i) with wavelengths
