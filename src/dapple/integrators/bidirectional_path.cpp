@@ -256,9 +256,13 @@ void BidirectionalEyePath::merge()
     const Carried carried = eye_.carried();
     const PathEvents events = events_at_vertex();
     const float scale = static_cast<float>(1.0 / (double(radius) * radius * paths));
+    const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
+    RandomStream trials = stream_of_trials(sample_.random, eye_.depth());
+    float inverse_coverage = 1.0f;
     int found = 0;
-    subpaths_.for_each_near(path_, vertex, radius, [&](const MergePhoton& photon, float distance2) {
-        ++found;
+    subpaths_.for_each_near(path_, vertex, radius, [&](const MergePhoton& photon, const Vec3& at, float distance2) {
+        if (++found == 1)
+            inverse_coverage = sampled_inverse_coverage(world_, region, radius, plan_.kernel, start_.time, trials);
         if (eye_.depth() + photon.depth - 1 > plan_.max_depth) return;
         const Vec3& wi = photon.direction;
         const auto [f, pdf_to_light] = evaluate_with_pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
@@ -269,7 +273,8 @@ void BidirectionalEyePath::merge()
             merged_side_sum(rules_, photon.weights, pdf_to_light, eta, dapple::joins_before(rules_, photon)) +
             merged_side_sum(rules_, weights_, pdf(vertex.bsdf, wi, vertex.wo, TransportMode::radiance), eta,
                             joins_before());
-        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale;
+        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale * inverse_coverage *
+                             sampled_visibility(world_, region, radius, at, start_.time);
         add(carried.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density),
             1.0 / (1.0 + others), classify(events, photon.events), photon.light_group,
             {photon.depth + 1, eye_.depth() + 1, true});

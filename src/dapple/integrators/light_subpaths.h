@@ -92,8 +92,8 @@ public:
     // Light paths that share the wavelengths of this one.
     int64_t paths_in_set(int64_t path) const { return maps_.empty() ? 1 : maps_[set_of(path)].paths; }
 
-    // Calls visit(photon, distance_squared) for the photons of the path's wavelength set that lie on the same surface
-    // within the radius of `at`.
+    // Calls visit(photon, position, distance_squared) for the photons of the path's wavelength set that lie on the same
+    // surface within the radius of `at`.
     template <class Visitor>
     void for_each_near(int64_t path, const Vertex& at, float radius, Visitor&& visit) const;
 
@@ -131,7 +131,7 @@ void LightSubpaths::for_each_near(int64_t path, const Vertex& at, float radius, 
     const SurfaceRegion region = surface_region(at.at.position, at.bsdf, at.wo);
     map.tree.for_each_within(region.disc(), radius * radius, AcceptAll{}, [&](uint32_t slot, float distance_squared) {
         const MergePhoton& photon = map.photons[slot];
-        if (region.takes(photon.normal)) visit(photon, distance_squared);
+        if (region.takes(photon.normal)) visit(photon, map.tree.position(slot), distance_squared);
     });
 }
 
