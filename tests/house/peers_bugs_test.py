@@ -1,20 +1,31 @@
-"""Each test that docs/peers-bugs.md names is one that ctest knows, and stands in the file named: peers_bugs_test.py CTEST BUILD."""
+"""Each test that docs/peers-bugs.md names is one that a test program or ctest knows, and stands in the file named.
+
+    peers_bugs_test.py FOLDER_OF_PROGRAMS
+"""
 import pathlib
 import re
 import subprocess
 import sys
 import unittest
 
-BUILD, CTEST = sys.argv.pop(), sys.argv.pop()
+PROGRAMS = pathlib.Path(sys.argv.pop())
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROWS = {1, 4, 5, *range(7, 13), 14, 16, 17, 21, 25, 27, 28, 30, 31, 34, 35}
 
 
 def known_tests():
-    """Names without the parts that parameters add: Prefix/Suite.Test/parameter is Suite.Test."""
-    listing = subprocess.run([CTEST, "-N", "--test-dir", BUILD], capture_output=True, text=True, check=True).stdout
-    names = re.findall(r"Test +#\d+: (\S+)", listing)
-    return {re.sub(r"^\w+/(?=\w+\.)", "", name).split("/")[0] for name in names}
+    """Names without the parts that parameters add (Prefix/Suite.Test/parameter is Suite.Test), and those of this folder."""
+    names = set(re.findall(r"NAME (house\.\w+)", (pathlib.Path(__file__).parent / "CMakeLists.txt").read_text()))
+    for program in PROGRAMS.glob("test_*"):
+        listing = subprocess.run([program, "--gtest_list_tests"], capture_output=True, text=True, check=True).stdout
+        suite = ""
+        for line in listing.splitlines():
+            word = line.split("#")[0].strip()
+            if not line.startswith(" "):
+                suite = word.rstrip(".").split("/")[-1]
+            elif word:
+                names.add(f"{suite}.{word.split('/')[0]}")
+    return names
 
 
 def named_tests(text):
