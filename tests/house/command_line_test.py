@@ -1,4 +1,5 @@
 """The command line as people and programs meet it: exit statuses, one-line errors, progress, Ctrl-C, crop, files."""
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -18,6 +19,9 @@ class CommandLine(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+        self.waiting = []
+        self.helpers = concurrent.futures.ThreadPoolExecutor(os.cpu_count())
+        self.addCleanup(self.helpers.shutdown)
 
     def dapple(self, *arguments, status=0):
         result = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
@@ -34,6 +38,9 @@ class CommandLine(unittest.TestCase):
         return None
 
     def bad_input(self, *arguments, saying):
+        self.waiting.append(self.helpers.submit(self.check_bad_input, *arguments, saying=saying))
+
+    def check_bad_input(self, *arguments, saying):
         result = self.dapple(*arguments, status=2)
         lines = result.stderr.splitlines()
         self.assertEqual(len(lines), 1, result.stderr)
@@ -66,6 +73,8 @@ class CommandLine(unittest.TestCase):
         self.bad_input("inspect", "missing.pbrt", saying="missing.pbrt")
         self.bad_input("compare", "a.exr", "b.exr", saying="a.exr")
         self.bad_input("integrators", "pathh", saying="did you mean 'path'")
+        for result in self.waiting:
+            result.result()
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_help_teaches(self):
