@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 namespace dapple::testing {
 namespace {
@@ -57,6 +58,53 @@ TEST_P(Edges, AreAsBrightAsTheMiddleOfAnEvenlyLitFloor)
     compare("corner", mean(30, 32, 0, 2), 1.0);
     compare("lit foot of the wall", mean(16, 17, 2, 30), 1.0);
     compare("dark foot of the wall", mean(15, 16, 2, 30), 0.0);
+}
+
+// The edge of the shadow, 0.3 from the left border, is sharp: it lies in column 9, of which 0.6 are lit. A lowered
+// radius blurs it less. Even light stays as it is. The light near the edge need not: dark places, which have few
+// photons, all of them on one side, are found uneven sooner than bright ones, so what spills over is taken away before
+// what it lacks is given back.
+TEST(RadiusTest, SharpensShadowsAndKeepsTheirLight)
+{
+    const TestScene scene = TestScene::from_text(floor_and_wall);
+    constexpr double lit = 0.8 / 3.14159265358979 * 4.0 * 0.894427190999916;  // reflectance, irradiance, cosine
+    struct Result {
+        double error = 0;  // mean square near the edge
+        Estimate near, even;
+    };
+    for (const ColorModel model : {ColorModel::rgb, ColorModel::spectral}) {
+        std::map<std::string, Result> results;
+        for (const char* tested : {"false", "true"}) {
+            RenderRequest request;
+            request.integrator = "sppm";
+            request.settings = {{"radiustest", tested}};
+            request.color_model = model;
+            request.passes = 5;
+            const std::vector<Image> images = scene.render_batches(request, batches);
+            Result& result = results[tested];
+            int pixels = 0;
+            for (const Image& image : images)
+                for (int y = 4; y < 28; ++y)
+                    for (int x = 5; x < 14; ++x, ++pixels) {
+                        const double expected = lit * (x < 9 ? 1.0 : x > 9 ? 0.0 : 0.6);
+                        result.error += std::pow(image.at(x, y, 1) - expected, 2);
+                    }
+            result.error /= pixels;
+            result.near = region_estimate(images, 1, 3, 15, 4, 28);
+            result.even = region_estimate(images, 1, 20, 28, 4, 28);
+        }
+        const Result &plain = results["false"], &tested = results["true"];
+        fmt::print(
+            "[ measured ] {}: mean squared error near the edge {:.3g}, with the test {:.3g} ({:.2f}); light near it "
+            "{:.4f} +- {:.4f} and {:.4f} +- {:.4f}, in even light {:.4f} +- {:.4f} and {:.4f} +- {:.4f}\n",
+            model == ColorModel::rgb ? "rgb" : "spectral", plain.error, tested.error, tested.error / plain.error,
+            plain.near.mean, plain.near.error, tested.near.mean, tested.near.error, plain.even.mean, plain.even.error,
+            tested.even.mean, tested.even.error);
+        EXPECT_LT(tested.error, 0.7 * plain.error);
+        EXPECT_GT(p_value(plain.near, tested.near, 0.03 * plain.near.mean), 1e-3);
+        EXPECT_GT(p_value(plain.even, tested.even), 1e-3);
+        EXPECT_GT(p_value(tested.even, lit, 1e-3 * lit), 1e-3);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, Edges, ::testing::Values("sppm", "photonsplat", "vcm"),

@@ -7,8 +7,8 @@
 // Bias: the blur of the kernel, which fades as r_i^2 ~ i^(a - 1); mean squared error falls as i^(-2/3) for a = 2/3.
 // Direct light and what is seen by way of mirrors and narrow lobes is unbiased. Cost of a pass: an eye
 // path per pixel and a light path per pixel and wavelength set, and the sorting of some five photons per light path (31
-// bytes each). Left out: a test of uniformity that chooses radii (Lin et al. 2020, CPPM) needs statistics per pixel
-// over passes, so that passes would neither be pure functions nor add up in any order.
+// bytes each). With `radiustest` the radius is lowered where light is uneven (radius_test.h): more noise, less blur.
+#include "dapple/integrators/radius_test.h"
 #include "dapple/integrators/registry.h"
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/integrators/visible_points.h"
@@ -24,6 +24,8 @@ constexpr SettingInfo settings_table[] = {
     photon_setting::kernel,
     visible_point_setting::wavelength_sets,
     photon_setting::max_depth,
+    {"radiustest", "", "false", "true|false",
+     "lower the radius where a chi-squared test of other photons finds light uneven: sharper caustics, more noise"},
     {"memory", "bytes", "auto", "> 0", "ceiling for the photons of a pass: fewer photons rather than more"},
 };
 
@@ -31,27 +33,35 @@ class ProgressivePhotonMapping final : public Integrator {
 public:
     ProgressivePhotonMapping(const World& world, const Settings& settings)
         : settings_(world, settings, "sppm"),
+          radius_test_(settings.boolean("radiustest")),
           memory_(settings.integer_or("memory", 0)),
           report_(settings_.describe(world))
     {
     }
 
+
     void render_pass(const PassContext& context, Film& film) override
     {
         const ColorModel model = film.settings().color_model;
         const std::vector<PassSet> sets = settings_.sets_of_pass(context, model, paths(context, film));
-        std::vector<PhotonMap> maps;
-        for (const PassSet& set : sets) {
-            maps.emplace_back(trace_photons(context.world, set.photons), static_cast<uint64_t>(set.photons.paths));
-            context.statistics.light_paths += static_cast<uint64_t>(set.photons.paths);
-            context.statistics.photons_stored += maps.back().size();
-        }
+        // A test wants photons apart from those of the estimate: other sets', or two halves of a lone set.
+        const size_t parts = radius_test_ && sets.size() == 1 ? 2 : 1;
+        std::vector<PhotonMap> maps;  // those of a set side by side
+        for (const PassSet& set : sets)
+            for (size_t part = 0; part < parts; ++part) {
+                PhotonRequest photons = set.photons;
+                photons.paths = std::max<int64_t>(1, photons.paths / static_cast<int64_t>(parts));
+                if (part > 0) photons.stream = hash_words(photons.stream, part);
+                maps.emplace_back(trace_photons(context.world, photons), static_cast<uint64_t>(photons.paths));
+                context.statistics.light_paths += static_cast<uint64_t>(photons.paths);
+                context.statistics.photons_stored += maps.back().size();
+            }
         const auto shrinkage = static_cast<float>(std::sqrt(settings_.shrinkage(context.pass)));
         for_each_pixel_of_sets(context, film, sets, [&](EyeSample& sample, size_t set) {
             trace_visible_points(
                 context.world, sample, sets[set].time, settings_.max_depth(), [&](const Walk& eye, float distance) {
                     const float radius = shrinkage * settings_.first_radius(context.world.camera, distance);
-                    gather(context.world, eye, maps[set], {0, radius, settings_.kernel()}, sample);
+                    gather(context.world, eye, maps, set * parts, (set + 1) * parts, radius, sample);
                 });
         });
     }
@@ -72,33 +82,41 @@ private:
         return plan.global_paths;
     }
 
-    static void gather(const World& world, const Walk& eye, const PhotonMap& map, const Bandwidth& bandwidth,
-                       EyeSample& sample)
+    // The mean of the estimates from the maps [begin, end).
+    void gather(const World& world, const Walk& eye, std::span<const PhotonMap> maps, size_t begin, size_t end,
+                float largest_radius, EyeSample& sample) const
     {
         const Vertex& vertex = eye.vertex();
         const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
-        PhotonLight light(sample, eye.arriving(), sample.sums.light_groups() > 0);
+        const float share = 1.0f / static_cast<float>(end - begin), time = vertex.at.time;
+        PhotonLight light(sample, eye.arriving() * share, sample.sums.light_groups() > 0);
+        RandomStream trials = stream_of_trials(sample.random, eye.depth());
         thread_local NearestPoints unused(2);
-        const float radius = bandwidth.max_radius, time = vertex.at.time;
-        std::optional<float> inverse_coverage;  // asked for with the first photon
-        const EstimateSupport support = visit_photons(map, region, bandwidth, unused, [&](uint32_t slot, float weight) {
-            if (!inverse_coverage) {
-                RandomStream trials = stream_of_trials(sample.random, eye.depth());
-                inverse_coverage = sampled_inverse_coverage(world, region, radius, bandwidth.kernel, time, trials);
-            }
-            weight *= *inverse_coverage * sampled_visibility(world, region, radius, map.position(slot), time);
-            const uint8_t photon_class = map.path_class(slot);
-            light.add(photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
-                                      static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight),
-                      class_with_photon(eye.events(), photon_class), LightGroup(map.light_group(slot)));
-        });
+        float radius = largest_radius, density = 0.0f;
+        for (size_t own = begin; own < end; ++own) {
+            const PhotonMap& map = maps[own];
+            if (radius_test_) radius = tested_radius(maps, own, region, largest_radius);
+            std::optional<float> inverse_coverage;  // asked for with the first photon
+            const auto add = [&](uint32_t slot, float weight) {
+                if (!inverse_coverage)
+                    inverse_coverage =
+                        sampled_inverse_coverage(world, region, radius, settings_.kernel(), time, trials);
+                weight *= *inverse_coverage * sampled_visibility(world, region, radius, map.position(slot), time);
+                const uint8_t photon_class = map.path_class(slot);
+                light.add(photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
+                                          static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight),
+                          class_with_photon(eye.events(), photon_class), LightGroup(map.light_group(slot)));
+            };
+            density += visit_photons(map, region, {0, radius, settings_.kernel()}, unused, add).density;
+        }
         light.hand_over();
         if (sample.sums.radius > 0.0f) return;  // the layers show the first estimate of the eye path
-        sample.sums.radius = bandwidth.max_radius;
-        sample.sums.photon_density = support.density;
+        sample.sums.radius = radius;
+        sample.sums.photon_density = density;
     }
 
     VisiblePointSettings settings_;
+    bool radius_test_;
     int64_t memory_;  // [bytes], 0: no ceiling
     std::vector<std::string> report_;
 };
