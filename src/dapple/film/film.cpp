@@ -19,7 +19,6 @@
 #include <ostream>
 
 namespace dapple {
-
 namespace {
 
 // One layer: its channels' names in the file and its sums, channels interleaved.
@@ -153,6 +152,7 @@ Film::Film(FilmSettings settings) : settings_(std::move(settings)), sums_(std::m
     Sums& s = *sums_;
     s.crop_min = low;
     s.crop_size = high - low;
+    reached_.resize(s.pixels());
     s.first_radiance = 0;
     if (settings_.class_layers)
         for (const std::string_view name : path_class_names) s.add_layer(std::string(name), "RGB");
@@ -193,6 +193,7 @@ void Film::add_pixel(Int2 pixel, const PixelSample& sample, int samples)
     if (samples <= 0 || local.x < 0 || local.y < 0 || local.x >= s.crop_size.x || local.y >= s.crop_size.y) return;
     const size_t index = s.index(pixel.x, pixel.y);
     const double factor = 1.0 / samples;
+    reached_[index] = 1;
 
     // Radiance goes in as a whole or not at all: classes and groups must both sum to the beauty.
     uint64_t dropped = sample.dropped_;
@@ -286,6 +287,7 @@ void Film::end_pass()
 {
     if (errors_) errors_->end_pass(settings_.first_pass + passes_, sums_->luminance());
     ++passes_;
+    std::fill(reached_.begin(), reached_.end(), uint8_t{0});
 }
 
 ErrorEstimate Film::error() const { return errors_ ? errors_->estimate(passes_, sums_->luminance()) : ErrorEstimate(); }
@@ -294,10 +296,9 @@ Image Film::beauty() const
 {
     const Sums& s = *sums_;
     Image image(s.crop_size.x, s.crop_size.y, 3);
-    const double factor = 1.0 / std::max<uint32_t>(passes_, 1);
     for (size_t pixel = 0; pixel < s.pixels(); ++pixel)
         for (int c = 0; c < 3; ++c)
-            image.pixels[pixel * 3 + c] = static_cast<float>(from_fixed(s.beauty(pixel, c)) * factor);
+            image.pixels[pixel * 3 + c] = static_cast<float>(from_fixed(s.beauty(pixel, c)) * image_factor(pixel));
     return image;
 }
 
@@ -318,9 +319,9 @@ Image Film::layers(std::vector<std::string>& channel_names) const
     }
 
     Image image(s.crop_size.x, s.crop_size.y, static_cast<int>(channel_names.size()));
-    const double factor = 1.0 / std::max<uint32_t>(passes_, 1);
     float* out = image.pixels.data();
     for (size_t pixel = 0; pixel < s.pixels(); ++pixel) {
+        const double factor = image_factor(pixel);
         for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(pixel, c)) * factor);
         for (size_t i = first; i < s.layers.size(); ++i)
             for (int c = 0; c < s.layers[i].channels(); ++c)

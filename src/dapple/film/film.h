@@ -9,6 +9,7 @@
 #include "dapple/image/image.h"
 #include "dapple/spectrum/wavelengths.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <functional>
@@ -115,6 +116,16 @@ public:
 
     // Call once after each pass; passes come in order, from settings().first_pass on.
     void end_pass();
+    // Instead of end_pass after a pass that was cut: the pixels that it reached have a sample more than the others, and
+    // the image allows for that. For passes that add eye samples alone (add_pixel). From now on the film can only be
+    // shown: neither continued, nor written, nor merged. Not for films with the error layer.
+    void end_cut_pass() { cut_ = true; }
+    // Part of the pixels that have an eye sample of the running (or cut) pass, in [0, 1].
+    double reached_part() const
+    {
+        const auto count = std::count(reached_.begin(), reached_.end(), uint8_t{1});
+        return static_cast<double>(count) / static_cast<double>(reached_.size());
+    }
     uint32_t passes() const { return passes_; }
     const Accidents& accidents() const { return accidents_; }
 
@@ -139,12 +150,20 @@ public:
 private:
     struct Sums;
     std::string state_header() const;
+    // What the sums of a pixel are multiplied by in the image.
+    double image_factor(size_t pixel) const
+    {
+        const uint32_t samples = passes_ + (cut_ ? reached_[pixel] : 0);
+        return 1.0 / std::max<uint32_t>(samples, 1);
+    }
 
     FilmSettings settings_;
     std::unique_ptr<Sums> sums_;
     std::unique_ptr<ErrorSums> errors_;  // none unless asked for
     Accidents accidents_;
     uint32_t passes_ = 0;
+    std::vector<uint8_t> reached_;  // by pixel: whether the running pass has brought an eye sample
+    bool cut_ = false;              // the last pass was
 };
 
 }  // namespace dapple

@@ -28,7 +28,7 @@ struct PassContext {
     uint64_t seed = 0;
     uint32_t pass = 0;
     Statistics& statistics;
-    const std::atomic<bool>* cancel = nullptr;  // set: return soon, the pass will be thrown away
+    const std::atomic<bool>* cancel = nullptr;  // set: return soon, without beginning more pixels
     bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
 };
 
@@ -41,6 +41,8 @@ public:
     virtual void render_pass(const PassContext& context, Film& film) = 0;
     // From now on what each technique brings goes to these films too; false when the algorithm has no techniques.
     virtual bool record_techniques(TechniqueFilms& /*films*/) { return false; }
+    // Whether all light of a pass comes to the film by Film::add_pixel: then a pass that is cut short may be kept.
+    virtual bool adds_eye_samples_alone() const { return false; }
     // One line each: what the settings resolved to for this world ("radius 3.2 mm from the pixel footprint", ...).
     virtual std::vector<std::string> report() const { return {}; }
     // Passes in a row that share what they trace (photon maps of an epoch, say) and are therefore no independent

@@ -18,6 +18,8 @@ class PathTracing final : public Integrator {
 public:
     explicit PathTracing(const Settings& settings) : max_depth_(static_cast<int>(settings.integer("maxdepth"))) {}
 
+    bool adds_eye_samples_alone() const override { return true; }
+
     void render_pass(const PassContext& context, Film& film) override
     {
         const ColorModel model = film.settings().color_model;

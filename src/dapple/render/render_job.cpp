@@ -22,7 +22,11 @@ constexpr int ticks_per_update = 4;
 class Runner {
 public:
     Runner(const RenderJob& job, const StopRequests& requests, Progress& progress)
-        : job_(job), requests_(requests), progress_(progress), done_(job.film.passes())
+        : job_(job),
+          requests_(requests),
+          progress_(progress),
+          may_cut_(job.integrator.adds_eye_samples_alone() && !job.keep_film_whole && !job.film.settings().error_layer),
+          done_(job.film.passes())
     {
         statistics_.eye_paths = job.before.eye_paths;
         statistics_.light_paths = job.before.light_paths;
@@ -56,7 +60,7 @@ private:
     void run_passes()
     {
         if (done() > 0) estimate_error();
-        while (!error_reached_ && job_.stop.another(done(), elapsed(), times_.expected())) {
+        while (!error_reached_ && job_.stop.another(done(), elapsed(), may_cut_ ? 0.0 : times_.expected())) {
             if (done() > 0 && requests_.count() > 0) break;
             copy_if_due();
             begin_pass();
@@ -96,14 +100,14 @@ private:
         if (requests_.count() > 0) return "stopped by request";
         if (job_.stop.passes > 0 && done() >= job_.stop.passes) return "all passes done";
         const double beyond = elapsed() + times_.expected() - job_.stop.seconds;
-        if (elapsed() > 0.95 * job_.stop.seconds) return "time is up";
+        if (may_cut_ || elapsed() > 0.95 * job_.stop.seconds) return "time is up";
         return fmt::format("time is up: the next pass would end {:.1f} s after the limit", beyond);
     }
 
     // Copies the image of the completed passes where the running pass may be given up, or where it costs little.
     void copy_if_due()
     {
-        if (done() == 0 || copied_passes_ == done()) return;
+        if (may_cut_ || done() == 0 || copied_passes_ == done()) return;
         const double now = elapsed();
         const bool may_be_given_up = !job_.keep_film_whole && job_.stop.last_by_time(now, times_.expected());
         if (!may_be_given_up && now - last_copy_ < copy_cost_ / copy_share) return;
@@ -117,7 +121,7 @@ private:
     {
         const std::lock_guard lock(mutex_);
         pass_start_ = elapsed();
-        may_give_up_ = !job_.keep_film_whole && done() > 0 && copied_passes_ == done();
+        may_give_up_ = !job_.keep_film_whole && done() > 0 && (may_cut_ || copied_passes_ == done());
     }
 
     void end_pass()
@@ -130,6 +134,14 @@ private:
         may_give_up_ = false;
     }
 
+    // A tick, or less where a pass is to be cut before that.
+    std::chrono::duration<double> until_next_look() const
+    {
+        const double left = job_.stop.seconds - elapsed();
+        return may_cut_ && left > 0 ? std::min<std::chrono::duration<double>>(tick, std::chrono::duration<double>(left))
+                                    : tick;
+    }
+
     // The second thread: reports progress, and cancels the running pass when it must.
     void watch(const std::stop_token& token)
     {
@@ -138,7 +150,7 @@ private:
         std::condition_variable_any wake;
         bool announced = false;
         for (int ticks = 1; !token.stop_requested(); ++ticks) {
-            wake.wait_for(sleep, token, tick, [] { return false; });
+            wake.wait_for(sleep, token, until_next_look(), [] { return false; });
             const int asked = requests_.count();
             if (asked == 1 && !announced) {
                 progress_.note("finishing this pass; press Ctrl-C again to stop at once");
@@ -147,7 +159,8 @@ private:
             if (asked > 1) cancel(Cause::user);
             {
                 const std::lock_guard lock(mutex_);
-                if (may_give_up_ && job_.stop.overdue(elapsed())) cancel(Cause::time);
+                const bool late = may_cut_ ? job_.stop.time_is_up(elapsed()) : job_.stop.overdue(elapsed());
+                if (may_give_up_ && late) cancel(Cause::time);
             }
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
@@ -199,6 +212,7 @@ private:
     void finish()
     {
         result_.seconds = elapsed();
+        const double cut_part = may_cut_ && !whole_ ? job_.film.reached_part() : 0.0;
         result_.first_pass = job_.film.settings().first_pass;
         result_.film_whole = whole_;
         result_.by_request = requests_.count() > 0;
@@ -209,11 +223,10 @@ private:
             result_.passes = done();
             result_.error = job_.film.error();
         } else {
-            if (!result_.failed)
-                result_.reason = cause_.load() == Cause::time
-                                     ? "time is up, the last pass was given up"
-                                     : "stopped at once by request, the last pass was given up";
-            if (copied_passes_ > 0) {
+            if (!result_.failed) result_.reason = why_cut(cut_part);
+            if (may_cut_ && done() > 0) {
+                take_cut(cut_part);
+            } else if (copied_passes_ > 0) {
                 result_.image = std::move(copy_);
                 result_.channels = std::move(copy_channels_);
                 result_.passes = copied_passes_;
@@ -226,6 +239,22 @@ private:
         result_.light_paths = statistics_.light_paths.load();
         result_.photons = statistics_.photons_stored.load();
         result_.rays = statistics_.rays.load();
+    }
+
+    std::string why_cut(double part) const
+    {
+        const char* why = cause_.load() == Cause::time ? "time is up" : "stopped at once by request";
+        if (part > 0 && done() > 0) return fmt::format("{}, with {:.0f} % of another pass", why, 100 * part);
+        return std::string(why) + ", the last pass was given up";
+    }
+
+    // Whole passes, and a part of one more for some pixels.
+    void take_cut(double part)
+    {
+        if (part > 0) job_.film.end_cut_pass();
+        result_.film_whole = part == 0;
+        result_.image = job_.film.layers(result_.channels);
+        result_.passes = done();
     }
 
     // Cancelled before there was any copy. The film holds `done` passes and a part of one more. Only when done is 0 is
@@ -250,6 +279,7 @@ private:
     std::atomic<bool> cancel_{false};
     std::atomic<Cause> cause_{Cause::none};
     bool whole_ = false;
+    const bool may_cut_;  // a part of a pass may be kept
 
     Image copy_;
     std::vector<std::string> copy_channels_;

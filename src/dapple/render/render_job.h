@@ -1,18 +1,25 @@
 // A render: passes of one integrator into one film until a stop rule or the user ends it.
 //
-// How a render is stopped. A pass adds to the film directly, so a pass that is cut short leaves the film with sums that
-// belong to no whole number of passes; such a film is never shown as if it were whole. Instead the job keeps a copy of
-// the image after a completed pass (floats, about a quarter of the film's memory). A copy is made before a pass that
-// may be given up for the time limit, and otherwise whenever copying has cost less than 2 % of the render time so far.
-// So:
+// How a render is stopped. A pass adds to the film directly. Where all of it are eye samples
+// (Integrator::adds_eye_samples_alone), a pass may be cut between two pixels: those that it reached have a sample more,
+// the image allows for that (Film::end_cut_pass), and nothing is lost. Which pixels are reached hangs on the time that
+// those before them took and not on their own light, so there is no bias. But such a film can only be shown, so that it
+// is not done where the film is to be kept, or is to estimate its error.
+//
+// Other passes are whole or nothing: cut short they leave sums that belong to no number of passes, and such a film is
+// never shown as if it were whole. For these the job keeps a copy of the image after a completed pass (floats, about a
+// quarter of the film's memory). A copy is made before a pass that may be given up for the time limit, and otherwise
+// whenever copying has cost less than 2 % of the render time so far.
 //   first request (Ctrl-C)   the running pass is finished, the image of all passes is returned;
-//   second request           the running pass is cancelled, the latest copy is returned, and what it lacks is said;
-//   time limit exceeded      a pass that goes on for more than 4 % beyond the limit is cancelled; the copy made before
-//   it
-//                            has everything;
+//   second request           the running pass is cancelled: what there is of it is kept, or the latest copy is
+//                            returned, and what it lacks is said;
+//   time limit               a pass that may be cut is cut there; another one is cancelled when it goes on for more
+//   than
+//                            4 % beyond it: the copy made before it has everything;
 //   an error in a pass       as the second request, with `failed` set.
-// If there is no completed pass, the image is that of the cancelled first one: pixels not reached are black, light that
-// was splatted is a part of the whole, and `incomplete` is set for the header of the file and for the message.
+// The first pass is not cut for time. If it is cancelled, the image is that of its part: pixels not reached are black,
+// light that was splatted is a part of the whole, and `incomplete` is set for the header of the file and for the
+// message.
 #pragma once
 
 #include "dapple/film/film.h"
@@ -70,7 +77,7 @@ struct RenderResult {
     Image image;                        // all layers, crop window
     std::vector<std::string> channels;  // OpenEXR names of the image's channels
     uint32_t first_pass = 0;
-    uint32_t passes = 0;       // completed passes in the image; 0 when incomplete
+    uint32_t passes = 0;       // completed passes in the image, beside a part of one more; 0 when incomplete
     uint32_t passes_lost = 0;  // completed, but not in the image
     double seconds = 0;        // from the start of the first pass
     ErrorEstimate error;       // no batches where it was not asked for

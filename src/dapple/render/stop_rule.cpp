@@ -1,6 +1,6 @@
-// When a render ends. Under a time limit T with passes of t seconds the end is within t/2 of T, so that T is kept
-// within 5 % where a pass takes at most a tenth of it; the pass that overruns nevertheless is given up (see
-// render_job.h).
+// When a render ends. Under a time limit T, where passes are whole or nothing and take t seconds, the end is within t/2
+// of T, so that T is kept within 5 % where a pass takes at most a tenth of it; the pass that overruns nevertheless is
+// given up. Where passes may be cut, the end is at T (see render_job.h).
 #include "dapple/render/stop_rule.h"
 
 #include <algorithm>

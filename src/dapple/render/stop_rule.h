@@ -30,7 +30,8 @@ struct StopRule {
     static constexpr double tolerance = 0.04;
 
     // Whether to start another pass after `done` passes and `elapsed` seconds. There is always a first pass. Under a
-    // time limit the next pass is started if the render is expected to end nearer to the limit with it than without it.
+    // time limit the next pass is started if the render is expected to end nearer to the limit with it than without it;
+    // expected_pass of 0, for passes that may be cut at the limit: while there is time.
     bool another(uint32_t done, double elapsed, double expected_pass) const;
 
     // Whether to look at the error before pass `next`, when `done` passes are there and `correlated` ones make a batch:
@@ -41,6 +42,8 @@ struct StopRule {
     // Whether the pass started now is expected to be the last one by time.
     bool last_by_time(double elapsed, double expected_pass) const;
 
+    // Whether the time is over.
+    bool time_is_up(double elapsed) const { return seconds > 0 && elapsed >= seconds; }
     // Whether a running pass has passed the limit by more than the tolerance.
     bool overdue(double elapsed) const;
 
