@@ -45,6 +45,7 @@ struct EstimateSupport {
     int count = 0;         // photons that took part
     float radius = 0.0f;   // r [m]
     float density = 0.0f;  // photons per area [1/m^2]
+    float last = 0.0f;     // distance of the farthest photon that took part, where r is that of the next one [m]
 };
 
 struct RadianceEstimate {
@@ -68,7 +69,7 @@ EstimateSupport visit_within(const PhotonMap& map, const SurfaceRegion& region, 
         ++count;
         visit(slot, kernel_disc(kernel, std::sqrt(distance_squared) * inv_radius) * scale);
     });
-    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius};
+    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius, radius};
 }
 
 }  // namespace detail
@@ -101,13 +102,15 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     }
     const float inv_radius = 1.0f / radius;
     const float scale = inv_radius * inv_radius / static_cast<float>(map.emitted());
+    float last = 0.0f;
     for (int i = 0; i < nearest.count(); ++i) {
         if (i == left_out) continue;
+        last = std::max(last, nearest.distance_squared(i));
         visit(nearest.index(i),
               kernel_disc(bandwidth.kernel, std::sqrt(nearest.distance_squared(i)) * inv_radius) * scale);
     }
     const int count = nearest.count() - (left_out >= 0 ? 1 : 0);
-    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius};
+    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius, std::sqrt(last)};
 }
 
 // Reflected (or transmitted) radiance [W/(m^2 sr)]. scattering(wi) is called with the unit direction each photon came

@@ -28,7 +28,9 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const Find
             positions[static_cast<size_t>(i)] = map.position(slot);
             IrradianceRecord& record = records[static_cast<size_t>(i)];
             record.normal = map.normal(slot);
-            record.radius = find(map, {map.position(slot), record.normal}, nearest, found).radius;
+            const EstimateSupport support = find(map, {map.position(slot), record.normal}, nearest, found);
+            record.radius = support.radius;
+            record.last = support.last;
             for (const auto& [photon, weight] : found) record.irradiance += map.flux(photon) * weight;
         }
     });

@@ -22,6 +22,7 @@ struct IrradianceRecord {
     Vec3 normal{0, 0, 1};  // the side that the irradiance arrives on
     Spectrum irradiance;   // [W/m^2]
     float radius = 0.0f;   // of the estimate [m]
+    float last = 0.0f;     // as in EstimateSupport [m]
 };
 
 class IrradianceMap {

@@ -33,12 +33,13 @@ struct RadianceSum {
 class Overture {
 public:
     Overture(const PassContext& context, const Film& film, const PhotonEpoch& epoch, const GatherSettings& gathering,
-             const OvertureSettings& settings)
+             const OvertureSettings& settings, const MovingShapes& moving)
         : context_(context),
           world_(context.world),
           film_(film),
           epoch_(epoch),
           gathering_(gathering),
+          moving_(moving),
           strata_(HemisphereStrata::of(settings.rays / static_cast<int>(epoch.maps.size()))),
           cache_(world_.bounds, static_cast<int>(epoch.maps.size()), settings.accuracy * epoch.shrinkage)
     {
@@ -91,15 +92,18 @@ private:
     {
         RandomStream random = stream(pixel, 0);
         const Vec2 u = random.next_2d();
-        Walk eye = start_at_camera(world_, Vec2(pixel.x + u.x, pixel.y + u.y), epoch_.maps[0].wavelengths, random);
+        const PhotonMapSet& maps = epoch_.maps[random.next_index(static_cast<uint32_t>(epoch_.maps.size()))];
+        PathStart start = path_start(maps.wavelengths, random.next_2d());
+        start.time = maps.time.value_or(start.time);
+        Walk eye = start_at_camera(world_, Vec2(pixel.x + u.x, pixel.y + u.y), start, random);
         float distance = 0.0f;
         while (const Vertex* vertex = eye.next(world_, random)) {
             distance += vertex->distance;
             if (eye.depth() > gathering_.max_depth) return {};
             if (!vertex->is_delta()) {
                 Spectrum irradiance;
-                if (!is_cached(*vertex) || cache_.look_up(vertex->at.position, cache_normal(*vertex), 0, irradiance) !=
-                                               IrradianceCache::Answer::none)
+                if (!is_cached(*vertex, moving_) || cache_.look_up(vertex->at.position, cache_normal(*vertex), 0,
+                                                                   irradiance) != IrradianceCache::Answer::none)
                     return {};
                 return Place{vertex->at.position,   vertex->at.error, vertex->at.n_geometric,
                              cache_normal(*vertex), vertex->at.time,  distance,
@@ -150,7 +154,7 @@ private:
         gather.set_eye_distance(place.eye_distance);
         const bool outside = dot(direction, place.n_geometric) > 0.0f;
         const Ray ray{offset_ray_origin(place.position, place.error, place.n_geometric, direction), direction,
-                      place.time};
+                      maps.time.value_or(place.time)};
         const int kept_lane = static_cast<int>(random.next_index(Spectrum::lanes));
         distance = gather.follow(Walk(ray, world_.medium_beyond(place.geometry, outside, place.medium),
                                       TransportMode::radiance, maps.wavelengths, kept_lane, Spectrum(1.0f)));
@@ -175,6 +179,7 @@ private:
     const Film& film_;
     const PhotonEpoch& epoch_;
     const GatherSettings& gathering_;
+    const MovingShapes& moving_;
     const HemisphereStrata strata_;
     IrradianceCache cache_;
 };
@@ -182,9 +187,10 @@ private:
 }  // namespace
 
 IrradianceCache make_irradiance_cache(const PassContext& context, const Film& film, const PhotonEpoch& epoch,
-                                      const GatherSettings& gathering, const OvertureSettings& settings)
+                                      const GatherSettings& gathering, const OvertureSettings& settings,
+                                      const MovingShapes& moving)
 {
-    return Overture(context, film, epoch, gathering, settings).make();
+    return Overture(context, film, epoch, gathering, settings, moving).make();
 }
 
 }  // namespace dapple

@@ -21,10 +21,15 @@ struct OvertureSettings {
 // The cache for the surfaces that eye paths meet in the film's crop window, with one set of irradiance for each of the
 // epoch's maps. Empty if cancelled.
 IrradianceCache make_irradiance_cache(const PassContext& context, const Film& film, const PhotonEpoch& epoch,
-                                      const GatherSettings& gathering, const OvertureSettings& settings);
+                                      const GatherSettings& gathering, const OvertureSettings& settings,
+                                      const MovingShapes& moving);
 
-// Whether a vertex takes its indirect light from the cache: matte reflection alone.
-inline bool is_cached(const Vertex& vertex) { return vertex.on_surface && vertex.bsdf.kind == BsdfKind::diffuse; }
+// Whether a vertex takes its indirect light from the cache: matte reflection alone, of surfaces that stay where their
+// records are.
+inline bool is_cached(const Vertex& vertex, const MovingShapes& moving)
+{
+    return vertex.on_surface && vertex.bsdf.kind == BsdfKind::diffuse && !moving.has(vertex.geometry);
+}
 // The side and normal that its irradiance belongs to.
 inline Vec3 cache_normal(const Vertex& vertex) { return face_forward(vertex.bsdf.frame.n, vertex.wo); }
 

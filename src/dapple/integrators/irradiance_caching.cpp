@@ -12,7 +12,8 @@
 // Progressive: every epoch has new maps and a new cache, so that the noise of records averages out, and its accuracy
 // falls as the caustic radius does. With four wavelength sets a record has an irradiance of each, from a quarter of its
 // rays, and a pixel takes all four in turn: no tint. Bias: that of photonmap, and of interpolation (second order in the
-// accuracy). Records are made at one instant each; what moves is blurred. Cost: a record takes `cacherays` gather rays,
+// accuracy). Shapes that move gather: records would stay behind. On those that stay a record has the light of each
+// set's time. Cost: a record takes `cacherays` gather rays,
 // an eye path only its direct light and the look-up: of its one ray it asks nothing but whether a light is there.
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
@@ -47,9 +48,12 @@ public:
         : overture_{static_cast<int>(settings.integer("cacherays")), static_cast<float>(settings.number("accuracy"))},
           gather_rays_(static_cast<int>(settings.integer("gatherrays"))),
           gather_settings_(settings),
-          epochs_(world, settings, MapUse::global_and_caustic, "irradiancecache")
+          epochs_(world, settings, MapUse::global_and_caustic, "irradiancecache"),
+          moving_(world)
     {
     }
+
+    bool adds_eye_samples_alone() const override { return true; }
 
     void render_pass(const PassContext& context, Film& film) override
     {
@@ -63,9 +67,11 @@ public:
 
     std::vector<std::string> report() const override
     {
-        return {gather_settings_.describe(),
-                fmt::format("irradiance cached to an accuracy of {}, {} gather rays per record", overture_.accuracy,
-                            overture_.rays)};
+        std::vector<std::string> lines = epochs_.report();
+        lines.push_back(gather_settings_.describe());
+        lines.push_back(fmt::format("irradiance cached to an accuracy of {}, {} gather rays per record",
+                                    overture_.accuracy, overture_.rays));
+        return lines;
     }
 
 private:
@@ -87,7 +93,8 @@ private:
         std::shared_ptr<const PhotonEpoch> photons = epochs_.of(context, film);
         auto made = std::make_shared<CachedEpoch>();
         made->use_cache = film.settings().light_groups.empty();
-        if (made->use_cache) made->cache = make_irradiance_cache(context, film, *photons, gather_settings_, overture_);
+        if (made->use_cache)
+            made->cache = make_irradiance_cache(context, film, *photons, gather_settings_, overture_, moving_);
         made->photons = std::move(photons);
         if (!context.cancelled()) epoch_ = made;
         return made;
@@ -101,7 +108,7 @@ private:
         follow_eye(world, sample, gather_settings_.max_depth, gather, [&](const Walk& eye, float) {
             const Vertex& vertex = eye.vertex();
             Spectrum irradiance;
-            if (!epoch.use_cache || !is_cached(vertex) ||
+            if (!epoch.use_cache || !is_cached(vertex, moving_) ||
                 epoch.cache.look_up(vertex.at.position, cache_normal(vertex), static_cast<int>(set), irradiance) !=
                     IrradianceCache::Answer::value) {
                 note_support(sample, gather.gather(eye, gather_rays_));
@@ -119,6 +126,7 @@ private:
     int gather_rays_;
     GatherSettings gather_settings_;
     PhotonEpochs epochs_;
+    MovingShapes moving_;
 
     std::mutex mutex_;
     std::shared_ptr<const CachedEpoch> epoch_;

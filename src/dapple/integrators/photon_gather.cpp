@@ -49,7 +49,8 @@ EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, con
                                    const Bandwidth& bandwidth)
 {
     const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
-    return find_covered_photons(world, map, region, bandwidth, nearest_points(bandwidth.nearest), found_);
+    return find_covered_photons(world, map, region, bandwidth, nearest_points(bandwidth.nearest), found_,
+                                vertex.at.time);
 }
 
 }  // namespace dapple

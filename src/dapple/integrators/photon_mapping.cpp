@@ -50,6 +50,8 @@ public:
     {
     }
 
+    bool adds_eye_samples_alone() const override { return true; }
+
     void render_pass(const PassContext& context, Film& film) override
     {
         const std::shared_ptr<const PhotonEpoch> epoch = epochs_.of(context, film);
@@ -63,9 +65,11 @@ public:
 
     std::vector<std::string> report() const override
     {
-        return {gather_settings_.describe(),
-                final_gather_ ? fmt::format("final gathering with {} rays per eye path", gather_rays_)
-                              : std::string("direct visualisation of the photon maps")};
+        std::vector<std::string> lines = epochs_.report();
+        lines.push_back(gather_settings_.describe());
+        lines.push_back(final_gather_ ? fmt::format("final gathering with {} rays per eye path", gather_rays_)
+                                      : std::string("direct visualisation of the photon maps"));
+        return lines;
     }
 
 private:

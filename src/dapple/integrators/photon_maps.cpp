@@ -8,6 +8,9 @@
 namespace dapple {
 namespace {
 
+constexpr int usual_sets = 4;
+constexpr uint32_t most_times = 64;  // of an epoch
+
 // The caustic photons among those of the global map, batch by batch.
 std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<Photon>>& batches)
 {
@@ -18,12 +21,12 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     return out;
 }
 
-IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const Bandwidth& bandwidth)
+IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const Bandwidth& bandwidth, float time)
 {
     return IrradianceMap(global, bandwidth.nearest,
                          [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
                              std::vector<WeightedPhoton>& found) {
-                             return find_covered_photons(world, map, region, bandwidth, nearest, found);
+                             return find_covered_photons(world, map, region, bandwidth, nearest, found, time);
                          });
 }
 
@@ -63,8 +66,10 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
     for (int set = 0; set < plan.wavelength_sets; ++set) {
         PhotonMapSet& map = maps[static_cast<size_t>(set)];
         map.wavelengths = wavelengths_of_set(model, context.seed, epoch, set, plan.wavelength_sets);
+        if (plan.one_time_per_set) map.time = time_of_set(context.seed, epoch, set, plan.wavelength_sets);
         PhotonRequest request;
         request.wavelengths = map.wavelengths;
+        request.time = map.time;
         request.seed = context.seed;
         request.max_depth = plan.max_depth;
         request.cancel = context.cancel;
@@ -81,7 +86,8 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
             if (plan.precompute_irradiance)
-                map.irradiance = irradiance_of(context.world, map.global, plan.irradiance_bandwidth);
+                map.irradiance =
+                    irradiance_of(context.world, map.global, plan.irradiance_bandwidth, map.time.value_or(0.5f));
         }
         const int64_t caustic_paths = plan.caustic_paths / plan.wavelength_sets;
         if (caustic_paths > 0) {
@@ -107,7 +113,8 @@ PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse 
       irradiance_(settings.boolean("irradiance")),
       wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
       max_depth_(static_cast<int>(settings.integer("maxdepth"))),
-      memory_(settings.integer_or("memory", 0))
+      memory_(settings.integer_or("memory", 0)),
+      moving_(MovingShapes(world).any())
 {
     if (world.has_scattering_media || world.has_emitting_media)
         throw UserError(std::string(integrator) +
@@ -119,9 +126,16 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
     PhotonMapPlan plan;
     const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
     plan.global_paths = paths_ > 0 ? paths_ : std::clamp<int64_t>(pixels, 100'000, 1'000'000);
+    plan.wavelength_sets = film.settings().color_model == ColorModel::spectral ? wavelength_sets_ : 1;
+    if (moving_) {
+        const int still_sets = plan.wavelength_sets;
+        plan.one_time_per_set = true;
+        plan.wavelength_sets = std::max(still_sets, static_cast<int>(std::min(epoch_passes_, most_times)));
+        if (paths_ == 0)
+            plan.global_paths = plan.global_paths * plan.wavelength_sets / std::max(still_sets, usual_sets);
+    }
     plan.caustic_paths = caustic_paths_ >= 0 ? caustic_paths_ : plan.global_paths;
     if (use_ == MapUse::global_alone) plan.caustic_paths = 0;
-    plan.wavelength_sets = film.settings().color_model == ColorModel::spectral ? wavelength_sets_ : 1;
     plan.max_depth = max_depth_;
     // Irradiance does not remember which light it came from.
     plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&
@@ -129,6 +143,12 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
     plan.irradiance_bandwidth = irradiance_bandwidth_;
     if (memory_ > 0) limit_memory(plan, context, film.settings().color_model, memory_);
     return plan;
+}
+
+std::vector<std::string> PhotonEpochs::report() const
+{
+    if (!moving_) return {};
+    return {"shapes move: each wavelength set of an epoch has one time, each pixel a new one in every pass"};
 }
 
 double PhotonEpochs::bias_scale(uint32_t pass) const { return progressive_shrinkage(int64_t(index(pass)) + 1); }

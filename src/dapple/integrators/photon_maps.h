@@ -1,16 +1,24 @@
 // The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D, with irradiance
 // precomputed at photons of the global map. An epoch is a run of passes that share their maps; its maps are a pure
 // function of (world, seed, epoch).
+//
+// Where shapes move, all paths of a set have one time, eye paths of the pixels that use it included, and surfaces are
+// looked at when the photons were there: a set is a still picture, and the sets of all epochs average to the moving
+// one. An epoch then has at least as many sets as passes, so that a pixel never sees a time twice: over n passes it
+// sees n times, as a path tracer's would, though all pixels the same ones. As each set has photons of its own, the
+// automatic number of light paths grows with the sets.
 #pragma once
 
 #include "dapple/density/irradiance_map.h"
 #include "dapple/integrators/integrator.h"
+#include "dapple/integrators/moving_shapes.h"
 #include "dapple/integrators/wavelength_sets.h"
 #include "dapple/photons/photon_map.h"
 
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace dapple {
@@ -38,7 +46,8 @@ inline constexpr SettingInfo irradiance{
     "irradiance", "", "true", "true|false",
     "precompute irradiance at photons for gather rays that meet matte surfaces (not if nearest is 0)"};
 inline constexpr SettingInfo wavelength_sets{"wavelengthsets", "sets", "4", ">= 1",
-                                             "sets of four wavelengths per epoch (spectral colour model)"};
+                                             "sets of four wavelengths per epoch (spectral colour model); where shapes "
+                                             "move, at least one per pass"};
 inline constexpr SettingInfo max_depth{"maxdepth", "scatterings", "100", ">= 0",
                                        "longest eye path and longest light path, in scatterings each"};
 inline constexpr SettingInfo memory{
@@ -49,7 +58,8 @@ inline constexpr SettingInfo memory{
 struct PhotonMapPlan {
     int64_t global_paths = 0;   // light paths per epoch, all wavelength sets together
     int64_t caustic_paths = 0;  // further paths, kept for the caustic map only
-    int wavelength_sets = 4;    // 1 in the rgb model
+    int wavelength_sets = 4;    // 1 in the rgb model where nothing moves
+    bool one_time_per_set = false;
     int max_depth = 100;
     bool precompute_irradiance = false;
     Bandwidth irradiance_bandwidth;
@@ -58,6 +68,7 @@ struct PhotonMapPlan {
 // The maps of one wavelength set.
 struct PhotonMapSet {
     Wavelengths wavelengths;
+    std::optional<float> time;  // of all its paths, where shapes move
     PhotonMap global;
     PhotonMap caustic;
     IrradianceMap irradiance;  // empty unless asked for
@@ -127,6 +138,9 @@ public:
     // Throws UserError where the world has media that photon maps do not know; `integrator` is named there.
     PhotonEpochs(const World& world, const Settings& settings, MapUse use, std::string_view integrator);
 
+    // A line for reports where shapes move; nothing else.
+    std::vector<std::string> report() const;
+
     uint32_t index(uint32_t pass) const { return pass / epoch_passes_; }
     // What Integrator asks for: passes per epoch, and the squared caustic radius relative to that of the first epoch.
     uint32_t correlated_passes() const { return epoch_passes_; }
@@ -146,6 +160,7 @@ private:
     int wavelength_sets_;
     int max_depth_;
     int64_t memory_;  // [bytes], 0: no ceiling
+    bool moving_;     // some shape moves
 
     std::mutex mutex_;
     std::shared_ptr<const PhotonEpoch> epoch_;
