@@ -153,8 +153,10 @@ class Resume(unittest.TestCase):
         self.same("whole.exr", "b.exr")
 
     def test_interrupted_renders_leave_a_checkpoint_when_it_was_asked_for(self):
-        process = self.start("render", "ball.pbrt", "-o", "a.exr", "--checkpoint", "c.dapple", "--passes", 1000000, *FAST)
-        time.sleep(1.0)
+        process = self.start("render", "ball.pbrt", "-o", "a.exr", "--checkpoint", "c.dapple", "--passes", 1000000,
+                             "--progress", "json", *FAST[1:])
+        process.stdout.readline()  # it has begun
+        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0)
@@ -212,11 +214,12 @@ class Resume(unittest.TestCase):
             resource.setrlimit(resource.RLIMIT_FSIZE, (3000, resource.RLIM_INFINITY))
         process = self.start("render", "ball.pbrt", "-o", "a.exr", "--passes", 2, "--resolution", "64x48", "--progress",
                              "none", preexec_fn=small_files)
-        time.sleep(2.5)
+        errors = process.stderr.readline()  # that there is no room
+        time.sleep(0.5)
         self.assertIsNone(process.poll(), "it waits for room")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["ball.pbrt"])
         resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-        _, errors = process.communicate(timeout=60)
+        errors += process.communicate(timeout=60)[1]
         self.assertEqual(process.returncode, 0, errors)
         self.assertIn("kept in memory", errors)
         self.dapple("render", "ball.pbrt", "-o", "b.exr", "--passes", 2, "--resolution", "64x48", "--quiet")
