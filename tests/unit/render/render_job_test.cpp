@@ -19,9 +19,14 @@ void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms
 class FakeIntegrator final : public Integrator {
 public:
     std::function<void(const PassContext&)> work = [](const PassContext&) {};
+    std::function<void(const PassContext&)> before_pixels = [](const PassContext&) {};
+    bool eye_samples_alone = false;
+
+    bool adds_eye_samples_alone() const override { return eye_samples_alone; }
 
     void render_pass(const PassContext& context, Film& film) override
     {
+        before_pixels(context);
         for (int y = 0; y < image_size; ++y) {
             if (y == image_size / 2) work(context);
             if (context.cancelled()) return;
@@ -138,6 +143,69 @@ TEST_F(RenderJobTest, GivesUpAPassThatOverruns)
     EXPECT_EQ(result.passes_lost, 0u);
     EXPECT_LT(result.seconds, 0.6);
     EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 2.5f);
+}
+
+// Where passes bring eye samples alone, time is kept however long they take, and what a cut pass has done counts: the
+// upper half has the mean of five passes, 3, the lower one that of four.
+TEST_F(RenderJobTest, CutsAPassWhenTimeIsUp)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.work = [](const PassContext& context) {
+        if (context.pass == 4) wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{0, 0.5});
+    EXPECT_EQ(result.passes, 4u);
+    EXPECT_EQ(result.passes_lost, 0u);
+    EXPECT_FALSE(result.incomplete);
+    EXPECT_FALSE(result.film_whole);
+    EXPECT_GE(result.seconds, 0.5);  // not a matter of luck: nothing but the time ends the pass
+    EXPECT_EQ(result.reason, "time is up, with 50 % of another pass");
+    for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), y < image_size / 2 ? 3.0f : 2.5f);
+}
+
+TEST_F(RenderJobTest, KeepsACutPassOfASecondRequest)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.work = [&](const PassContext& context) {
+        if (context.pass < 2) return;
+        requests_.add();
+        requests_.add();
+        wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{100, 0});
+    EXPECT_EQ(result.passes, 2u);
+    EXPECT_EQ(result.passes_lost, 0u);
+    EXPECT_FLOAT_EQ(result.image.at(0, 0, 0), 2.0f);
+    EXPECT_FLOAT_EQ(result.image.at(0, 3, 0), 1.5f);
+}
+
+// A pass that has not reached any pixel leaves a film of whole passes, which may be continued.
+TEST_F(RenderJobTest, ACutBeforeTheFirstPixelLeavesTheFilmWhole)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.before_pixels = [](const PassContext& context) {
+        if (context.pass == 1) wait_for_cancel(context);
+    };
+    const RenderResult result = render(StopRule{0, 0.2});
+    EXPECT_EQ(result.passes, 1u);
+    EXPECT_TRUE(result.film_whole);
+    EXPECT_EQ(result.reason, "time is up, the last pass was given up");
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 1.0f);
+}
+
+// A film that is to be kept gets whole passes alone, whatever the integrator.
+TEST_F(RenderJobTest, DoesNotCutAFilmThatIsKept)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.work = [](const PassContext& context) {
+        for (int i = 0; i < 40 && context.pass == 1 && !context.cancelled(); ++i) sleep_ms(10);
+    };
+    RenderJob job{world_, integrator_, film_, "fake", 0, StopRule{0, 0.3}};
+    job.keep_film_whole = true;
+    const RenderResult result = run(job, requests_, *progress_);
+    EXPECT_EQ(result.passes, 2u);
+    EXPECT_TRUE(result.film_whole);
+    EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 1.5f);
 }
 
 TEST_F(RenderJobTest, LaterErrorKeepsTheImage)
