@@ -39,6 +39,7 @@ public:
     {
     }
 
+    bool adds_eye_samples_alone() const override { return true; }
 
     void render_pass(const PassContext& context, Film& film) override
     {
