@@ -27,8 +27,7 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const Find
             const uint32_t slot = static_cast<uint32_t>(i) * stride;
             positions[static_cast<size_t>(i)] = map.position(slot);
             IrradianceRecord& record = records[static_cast<size_t>(i)];
-            record.normal = map.normal(slot);
-            const EstimateSupport support = find(map, {map.position(slot), record.normal}, nearest, found);
+            const EstimateSupport support = find(map, {map.position(slot), map.normal(slot)}, nearest, found);
             record.radius = support.radius;
             record.last = support.last;
             for (const auto& [photon, weight] : found) record.irradiance += map.flux(photon) * weight;
@@ -37,18 +36,23 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const Find
     std::vector<uint32_t> order;
     tree_ = PointTree(positions, order);
     records_.resize(count);
-    for (uint32_t slot = 0; slot < count; ++slot) records_[slot] = records[order[slot]];
+    constexpr uint32_t leaf = PointTree::leaf_size;
+    normals_.resize((count + leaf - 1) / leaf * leaf * 3);
+    for (uint32_t slot = 0; slot < count; ++slot) {
+        records_[slot] = records[order[slot]];
+        const Vec3 normal = map.normal(order[slot] * stride);
+        for (uint32_t c = 0; c < 3; ++c)
+            normals_[slot / leaf * leaf * 3 + c * leaf + slot % leaf] = normal[static_cast<int>(c)];
+    }
 }
 
 const IrradianceRecord* IrradianceMap::nearest(const Vec3& position, const Vec3& normal, float max_distance) const
 {
     thread_local NearestPoints nearest(1);  // scratch space, not a result
+    const Float8 x = Float8::all(normal.x), y = Float8::all(normal.y), z = Float8::all(normal.z);
     const auto agrees = [&](uint32_t leaf) {
-        uint32_t mask = 0;
-        const uint32_t first = leaf * PointTree::leaf_size;
-        for (uint32_t i = 0; i < PointTree::leaf_size && first + i < records_.size(); ++i)
-            if (dot(records_[first + i].normal, normal) > 0.5f) mask |= 1u << i;
-        return mask;
+        const float* n = &normals_[leaf * PointTree::leaf_size * 3];
+        return less_mask(Float8::all(0.5f), Float8::load(n) * x + Float8::load(n + 8) * y + Float8::load(n + 16) * z);
     };
     tree_.find_nearest(DiscRegion{position, normal}, max_distance * max_distance, agrees, nearest);
     if (nearest.count() == 0) return nullptr;

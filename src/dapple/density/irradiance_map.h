@@ -19,10 +19,9 @@ using FindPhotons = std::function<EstimateSupport(const PhotonMap& map, const Su
 FindPhotons find_photons_within(const Bandwidth& bandwidth);
 
 struct IrradianceRecord {
-    Vec3 normal{0, 0, 1};  // the side that the irradiance arrives on
-    Spectrum irradiance;   // [W/m^2]
-    float radius = 0.0f;   // of the estimate [m]
-    float last = 0.0f;     // as in EstimateSupport [m]
+    Spectrum irradiance;  // [W/m^2]
+    float radius = 0.0f;  // of the estimate [m]
+    float last = 0.0f;    // as in EstimateSupport [m]
 };
 
 class IrradianceMap {
@@ -33,7 +32,10 @@ public:
     IrradianceMap(const PhotonMap& map, int nearest, const FindPhotons& find, uint32_t stride = 4);
 
     bool empty() const { return records_.empty(); }
-    size_t memory_bytes() const { return tree_.memory_bytes() + records_.size() * sizeof(IrradianceRecord); }
+    size_t memory_bytes() const
+    {
+        return tree_.memory_bytes() + records_.size() * sizeof(IrradianceRecord) + normals_.size() * sizeof(float);
+    }
 
     // The record nearest to a point of a surface whose normal agrees within 60 degrees; null when there is none within
     // max_distance, or when the point lies beyond the radius of that record's estimate.
@@ -42,6 +44,7 @@ public:
 private:
     PointTree tree_;
     std::vector<IrradianceRecord> records_;  // in the order of the tree's slots
+    std::vector<float> normals_;             // of the lit side: for each leaf eight x, eight y, eight z
 };
 
 }  // namespace dapple

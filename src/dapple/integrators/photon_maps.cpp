@@ -21,12 +21,13 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     return out;
 }
 
-IrradianceMap irradiance_of(const World& world, const PhotonMap& global, const Bandwidth& bandwidth, float time)
+IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global, const Bandwidth& bandwidth, float time)
 {
     return IrradianceMap(global, bandwidth.nearest,
                          [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
                              std::vector<WeightedPhoton>& found) {
-                             return find_covered_photons(world, map, region, bandwidth, nearest, found, time);
+                             if (context.cancelled()) return EstimateSupport();
+                             return find_covered_photons(context.world, map, region, bandwidth, nearest, found, time);
                          });
 }
 
@@ -51,7 +52,7 @@ void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel mo
                           caustic * per_path * static_cast<double>(plan.caustic_paths);
     // Kept: packed photons, and irradiance at a quarter of them. While a set is built: its photons as they were traced,
     // with room to grow, and what sorting takes (photon_map.h).
-    const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 16) : 0.0);
+    const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 28) : 0.0);
     const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
     const double share = static_cast<double>(bytes) / std::max(stored * (kept + building), 1.0);
     if (share >= 1.0) return;
@@ -63,7 +64,7 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
                                             uint32_t epoch)
 {
     std::vector<PhotonMapSet> maps(static_cast<size_t>(plan.wavelength_sets));
-    for (int set = 0; set < plan.wavelength_sets; ++set) {
+    for (int set = 0; set < plan.wavelength_sets && !context.cancelled(); ++set) {
         PhotonMapSet& map = maps[static_cast<size_t>(set)];
         map.wavelengths = wavelengths_of_set(model, context.seed, epoch, set, plan.wavelength_sets);
         if (plan.one_time_per_set) map.time = time_of_set(context.seed, epoch, set, plan.wavelength_sets);
@@ -86,8 +87,7 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
             if (plan.precompute_irradiance)
-                map.irradiance =
-                    irradiance_of(context.world, map.global, plan.irradiance_bandwidth, map.time.value_or(0.5f));
+                map.irradiance = irradiance_of(context, map.global, plan.irradiance_bandwidth, map.time.value_or(0.5f));
         }
         const int64_t caustic_paths = plan.caustic_paths / plan.wavelength_sets;
         if (caustic_paths > 0) {

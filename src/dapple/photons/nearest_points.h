@@ -15,7 +15,7 @@ namespace dapple {
 class NearestPoints {
 public:
     // Allocates room for the k nearest points (k >= 1) of any number of later queries.
-    explicit NearestPoints(int k) : k_(std::max(1, k)), capacity_(k_ + 40 + k_ / 8)
+    explicit NearestPoints(int k) : k_(std::max(1, k)), capacity_(k_ == 1 ? 1 : k_ + 40 + k_ / 8)
     {
         distance_squared_.resize(static_cast<size_t>(capacity_) + 24);
         index_.resize(static_cast<size_t>(capacity_) + 24);
@@ -128,6 +128,15 @@ inline void NearestPoints::compact(float threshold, int ties)
 // on a surface are spread evenly), then by halving the interval of bit patterns, which ends after 31 steps at most.
 inline void NearestPoints::keep_nearest()
 {
+    if (k_ == 1) {
+        size_t best = 0;
+        for (size_t i = 1; i < static_cast<size_t>(count_); ++i)
+            if (distance_squared_[i] < distance_squared_[best]) best = i;
+        limit_ = distance_squared_[0] = distance_squared_[best];
+        index_[0] = index_[best];
+        count_ = 1;
+        return;
+    }
     // Entries after the last are infinite, so that full registers may be compared.
     for (int i = 0; i < 8; ++i) distance_squared_[static_cast<size_t>(count_ + i)] = infinity;
     float low = 0.0f;
