@@ -38,9 +38,9 @@ constexpr Bias biases[] = {
     {"irradiancecache", 0.06, 0.005, "as photonmap", "motion_blur"},
     {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics and of the global estimate"},
     {"irradiancecache", 0.06, 0.03, "as photonmap, and interpolation of irradiance"},
-    {"sppm", 0.08, 0.03, "blur of three pixels at 32: indirect light at edges of surfaces, caustics"},
-    {"photonsplat", 0.08, 0.03, "as sppm"},
-    {"vcm", 0.06, 0.015, "blur where merging outweighs joining: caustics, edges of surfaces"},
+    {"sppm", 0.08, 0.005, "blur of three pixels at 32: caustics, indirect light that falls off in corners"},
+    {"photonsplat", 0.08, 0.005, "as sppm"},
+    {"vcm", 0.06, 0.005, "blur where merging outweighs joining: caustics"},
 };
 
 // The scenes of integrators that do not run on all.

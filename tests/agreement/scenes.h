@@ -31,8 +31,6 @@ inline SettingList small_settings(const std::string& integrator, uint32_t passes
     SettingList known;
     for (const auto& setting : wanted)
         if (has_setting(integrator, setting.first)) known.push_back(setting);
-    // Two or three of these large pixels would be as wide as the things in the scenes.
-    if (integrator == "sppm" || integrator == "photonsplat" || integrator == "vcm") known.emplace_back("radius", "0.7");
     return known;
 }
 
