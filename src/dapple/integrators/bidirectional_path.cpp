@@ -1,14 +1,12 @@
 #include "dapple/integrators/bidirectional_path.h"
 
 #include "dapple/cameras/raster_copies.h"
+#include "dapple/materials/both_ways.h"
 
 namespace dapple {
 namespace {
 
-void count(PathEvents& events, const Vertex& vertex)
-{
-    vertex.on_surface ? events.add_surface(false) : events.add_medium();
-}
+void count(PathEvents& events, bool on_surface) { on_surface ? events.add_surface(false) : events.add_medium(); }
 
 // Whether the technique that joins a light vertex to the one before it takes part.
 template <class LightEnd>
@@ -17,40 +15,84 @@ bool joins_before(const MisRules& rules, const LightEnd& light)
     return light.depth == 1 ? rules.direct : rules.inner;
 }
 
+// What an end of a joined edge does to light along it: as Scattering (connect.h), and the density of the way back.
+struct End {
+    Spectrum value;
+    float pdf = 0.0f;
+    float back = 0.0f;
+};
+
+End surface_end(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode)
+{
+    const BsdfBothWays scattered = evaluate_both_ways(bsdf, wo, wi, mode);
+    return {scattered.f * abs_dot(wi, bsdf.frame.n), scattered.pdf, scattered.pdf_reverse};
+}
+
+End medium_end(float g, const Vec3& wo, const Vec3& wi)
+{
+    const float p = evaluate_phase(g, wo, wi);
+    return {Spectrum(p), p, evaluate_phase(g, wi, wo)};
+}
+
+End eye_end(const Vertex& vertex, const Vec3& wi)
+{
+    return vertex.on_surface ? surface_end(vertex.bsdf, vertex.wo, wi, TransportMode::radiance)
+                             : medium_end(vertex.phase_g, vertex.wo, wi);
+}
+
+// scratch: a diffuse Bsdf to be filled in, where that is all that is known of the vertex.
+End light_end(const LightVertex& vertex, const LightSubpaths::Path& path, const Vec3& wi, Bsdf& scratch)
+{
+    if (vertex.bsdf == LightVertex::medium) return medium_end(vertex.reflectance[0], vertex.wo, wi);
+    if (vertex.bsdf != LightVertex::diffuse)
+        return surface_end(path.bsdf_of(vertex), vertex.wo, wi, TransportMode::importance);
+    scratch.frame.n = vertex.n_shading;
+    scratch.n_geometric = vertex.n_geometric;
+    scratch.a = vertex.reflectance;
+    return surface_end(scratch, vertex.wo, wi, TransportMode::importance);
+}
+
+// Where a ray to a light vertex ends.
+Vec3 arrive_at(const LightVertex& vertex, const Vec3& from_there)
+{
+    if (!vertex.on_surface()) return vertex.position;
+    return offset_ray_origin(vertex.position, abs(vertex.n_geometric) * vertex.offset, vertex.n_geometric, from_there);
+}
+
+// Joins that would bring less than this share of what the path has found so far are left to chance.
+constexpr float worth_a_ray = 0.05f;
+// The same for looks at a merging disc, and how often it is looked at at least.
+constexpr float worth_a_look = 2.0f;
+constexpr float least_looks = 0.1f;
+
 }  // namespace
 
-void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
-                      const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices)
+void splat_light_vertex(const PassContext& context, Film& film, const BidirectionalPlan& plan,
+                        const LightSubpaths& subpaths, int64_t path, const LightArrival& light)
 {
-    if (vertices.empty()) return;
+    if (light.depth > plan.max_depth) return;
     const MisRules& rules = plan.rules;
     const World& world = context.world;
-    const Sensor& sensor = film.settings().sensor;
+    const Vertex& vertex = light.vertex;
     const Vec2 filter_radius = film.settings().filter.radius();
     const float margin = std::max(filter_radius.x, filter_radius.y);
     const float scale = 1.0f / static_cast<float>(subpaths.paths());
-    const PathStart start = subpaths.start(path);
-    RandomStream random(context.seed, hash_words(static_cast<uint64_t>(StreamPurpose::splat), uint64_t(context.pass)),
+    const uint64_t purpose = static_cast<uint64_t>(StreamPurpose::splat);
+    RandomStream random(context.seed, hash_words(purpose, uint64_t(context.pass), uint64_t(light.depth)),
                         static_cast<uint32_t>(path));
-    for (const LightVertex& light : vertices) {
-        if (light.depth > plan.max_depth) return;
-        const Vertex& vertex = light.vertex;
-        SeenByCamera seen;
-        if (!connect_to_camera(world, {light.throughput, light.path_pdf, start}, vertex, margin, random, seen))
-            continue;
-        const double to_here =
-            double(seen.camera.importance) * geometric_cosine(vertex, seen.camera.wi) / rules.light_paths;
-        const double back = reverse_pdf(vertex, seen.camera.wi, TransportMode::importance);
-        const double others =
-            side_sum(rules, light.weights, to_here, back, subpaths.eta(path, vertex), joins_before(rules, light));
-        const float weight = static_cast<float>(1.0 / (1.0 + others));
-        PathEvents events = light.events;
-        count(events, vertex);
-        const Vec3 rgb = sensor.to_rgb(seen.contribution * scale, start.wavelengths);
-        for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin)) {
-            film.splat(raster, rgb * weight, classify({}, events), light.light_group);
-            if (plan.techniques) plan.techniques->splat(raster, rgb, weight, {light.depth + 1, 1});
-        }
+    SeenByCamera seen;
+    if (!connect_to_camera(world, light.carried, vertex, margin, random, seen)) return;
+    const double to_here =
+        double(seen.camera.importance) * geometric_cosine(vertex, seen.camera.wi) / rules.light_paths;
+    const double back = reverse_pdf(vertex, seen.camera.wi, TransportMode::importance);
+    const double others = side_sum(rules, light.weights, to_here, back, light.eta, joins_before(rules, light));
+    const float weight = static_cast<float>(1.0 / (1.0 + others));
+    PathEvents events = light.events;
+    count(events, vertex.on_surface);
+    const Vec3 rgb = film.settings().sensor.to_rgb(seen.contribution * scale, light.carried.start.wavelengths);
+    for (const Vec2& raster : raster_copies(world.camera, seen.camera.raster, margin)) {
+        film.splat(raster, rgb * weight, classify({}, events), light.light_group);
+        if (plan.techniques) plan.techniques->splat(raster, rgb, weight, {light.depth + 1, 1});
     }
 }
 
@@ -62,14 +104,17 @@ BidirectionalEyePath::BidirectionalEyePath(const BidirectionalPlan& plan, const 
       subpaths_(subpaths),
       sample_(sample),
       path_(subpaths.path_of(sample.pixel)),
+      set_(subpaths.set_of(path_)),
       start_(subpaths.start(path_))
 {
+    diffuse_light_end_.kind = BsdfKind::diffuse;
     if (plan.techniques) record_.emplace(*plan.techniques, sample.pixel);
 }
 
 void BidirectionalEyePath::add(const Spectrum& estimate, double weight, PathClass path_class, LightGroup group,
                                const Technique& technique)
 {
+    found_ += estimate.max() * static_cast<float>(weight);
     const Vec3 rgb = sample_.filtered(estimate);
     sample_.sums.add(rgb * static_cast<float>(weight), path_class, group);
     if (record_) record_->add(rgb, static_cast<float>(weight), technique);
@@ -88,13 +133,13 @@ void BidirectionalEyePath::trace()
         add_emission();
         if (eye_.depth() > plan_.max_depth) return;
         if (!vertex->is_delta()) {
+            carried_ = eye_.carried();
             if (rules_.direct) join_light();
-            if (rules_.inner)
-                for (const LightVertex& light : subpaths_.vertices(path_)) join(light);
             if (plan_.merging) merge();
+            if (rules_.inner) join_all();
         }
         if (plan_.first_vertex_only && !vertex->has_delta_lobe()) return;
-        if (eye_.depth() > 1 && !eye_.survive_roulette(sample_.random)) return;
+        if (eye_.depth() > 1 && !eye_.survive_roulette(sample_.random, expected_albedo(*vertex))) return;
     }
     if (plan_.first_vertex_only && eye_.events().diffuse > 0) return;
     if (!eye_.medium_emission().is_black()) add_medium_emission();
@@ -110,7 +155,7 @@ void BidirectionalEyePath::add_medium_emission()
 PathEvents BidirectionalEyePath::events_at_vertex() const
 {
     PathEvents events = eye_.events();
-    count(events, eye_.vertex());
+    count(events, eye_.vertex().on_surface);
     return events;
 }
 
@@ -131,7 +176,8 @@ bool BidirectionalEyePath::arrive()
             rules_, importance_at(world_.camera, vertex.at.position, vertex.distance, start_.time), cosine_in);
     else
         weights_ = advance(rules_, weights_, step(eye_.depth() - 1), sqr(double(vertex.distance)), cosine_in);
-    eta_ = vertex.is_delta() ? 0.0 : subpaths_.eta(path_, vertex);
+    radius_ = plan_.merging && vertex.on_surface && !vertex.is_delta() ? subpaths_.radius_at(vertex.at.position) : 0.0f;
+    eta_ = subpaths_.eta(set_, radius_);
     return true;
 }
 
@@ -190,7 +236,7 @@ void BidirectionalEyePath::join_light()
 {
     const Vertex& vertex = eye_.vertex();
     LightConnection c;
-    if (!connect_to_light(world_, eye_.carried(), vertex, sample_.random, c)) return;
+    if (!connect_to_light(world_, carried_, vertex, sample_.random, c)) return;
     const float density = c.density(eye_.path_pdf()).average();
     if (!(density > 0.0f)) return;
     const Light& light = world_.lights.list[c.light.value];
@@ -215,74 +261,117 @@ void BidirectionalEyePath::join_light()
 }
 
 // s, t >= 2.
-void BidirectionalEyePath::join(const LightVertex& light)
+void BidirectionalEyePath::join_all()
+{
+    const LightSubpaths::Path path = subpaths_.path(path_);
+    for (const LightVertex& light : path.vertices) join(path, light);
+}
+
+void BidirectionalEyePath::join(const LightSubpaths::Path& path, const LightVertex& light)
 {
     if (eye_.depth() + light.depth > plan_.max_depth) return;
-    const Vertex &z = eye_.vertex(), &y = light.vertex;
-    const Vec3 towards = y.at.position - z.at.position;
+    const Vertex& z = eye_.vertex();
+    const Vec3 towards = light.position - z.at.position;
     const float distance2 = length_squared(towards);
     if (!(distance2 > 0.0f)) return;
     const Vec3 w = towards * (1.0f / std::sqrt(distance2));
-    const Scattering at_eye = evaluate_scattering(z, w, TransportMode::radiance);
+    // What turns its back is the commonest case and known from two cosines.
+    if (light.bsdf == LightVertex::diffuse && dot(w, light.n_shading) * dot(light.wo, light.n_shading) >= 0.0f) return;
+    const End at_eye = eye_end(z, w);
     if (at_eye.value.is_black()) return;
-    const Scattering at_light = evaluate_scattering(y, -w, TransportMode::importance);
-    const Carried carried = eye_.carried();
-    const Spectrum value = carried.throughput * at_eye.value * at_light.value * light.throughput * (1.0f / distance2);
+    const End at_light = light_end(light, path, -w, diffuse_light_end_);
+    Spectrum value = carried_.throughput * at_eye.value * at_light.value * light.throughput * (1.0f / distance2);
     if (value.is_black()) return;
-    const double to_light = double(at_eye.pdf) * geometric_cosine(y, w) / distance2;
+
+    const float cosine_light = light.on_surface() ? abs_dot(light.n_geometric, w) : 1.0f;
+    const double to_light = double(at_eye.pdf) * cosine_light / distance2;
     const double to_eye = double(at_light.pdf) * geometric_cosine(z, w) / distance2;
     const double others =
-        side_sum(rules_, light.weights, to_light, reverse_pdf(y, -w, TransportMode::importance),
-                 subpaths_.eta(path_, y), dapple::joins_before(rules_, light)) +
-        side_sum(rules_, weights_, to_eye, reverse_pdf(z, w, TransportMode::radiance), eta_, joins_before());
-    const Transmittance through = between(world_, z, y, start_, sample_.random);
+        side_sum(rules_, light.weights(), to_light, at_light.back, light.eta, dapple::joins_before(rules_, light)) +
+        side_sum(rules_, weights_, to_eye, at_eye.back, eta_, joins_before());
+    const double weight = 1.0 / (1.0 + others);
+    const Spectrum path_pdf = carried_.path_pdf * light.path_pdf;
+    if (!record_) {
+        const float worth = value.max() * static_cast<float>(weight) / path_pdf.average();
+        const float probability = worth / (worth_a_ray * found_);
+        if (probability < 1.0f) {
+            if (!(sample_.random.next() < probability)) return;
+            value *= 1.0f / probability;
+        }
+    }
+    const Transmittance through = between(world_, z, arrive_at(light, -w), start_, sample_.random);
     if (through.blocked()) return;
-    const float density = (carried.path_pdf * light.path_pdf * through.light_pdf).average();
+    const float density = (path_pdf * through.light_pdf).average();
     if (!(density > 0.0f)) return;
     PathEvents light_events = light.events;
-    count(light_events, y);
-    add(value * through.value * (1.0f / density), 1.0 / (1.0 + others), classify(events_at_vertex(), light_events),
-        light.light_group, {light.depth + 1, eye_.depth() + 1});
+    count(light_events, light.on_surface());
+    add(value * through.value * (1.0f / density), weight, classify(events_at_vertex(), light_events), light.light_group,
+        {light.depth + 1, eye_.depth() + 1});
 }
 
 void BidirectionalEyePath::merge()
 {
+    if (!(radius_ > 0.0f)) return;
     const Vertex& vertex = eye_.vertex();
-    if (!vertex.on_surface) return;
-    const float radius = subpaths_.radius_at(vertex.at.position);
-    if (!(radius > 0.0f)) return;
-    const double paths = static_cast<double>(subpaths_.paths_in_set(path_));
+    const float radius = radius_;
+    const double paths = static_cast<double>(subpaths_.paths_in_set(set_));
     const double eta = pi * double(radius) * radius * paths;
-    const Carried carried = eye_.carried();
     const PathEvents events = events_at_vertex();
     const float scale = static_cast<float>(1.0 / (double(radius) * radius * paths));
     const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
-    RandomStream trials = stream_of_trials(sample_.random, eye_.depth());
-    float inverse_coverage = 1.0f;
     int found = 0;
-    subpaths_.for_each_near(path_, vertex, radius, [&](const MergePhoton& photon, const Vec3& at, float distance2) {
-        if (++found == 1)
-            inverse_coverage = sampled_inverse_coverage(world_, region, radius, plan_.kernel, start_.time, trials);
+    merged_count_ = 0;
+    subpaths_.for_each_near(set_, region, radius, [&](const MergePhoton& photon, const Vec3& at, float distance2) {
+        ++found;
         if (eye_.depth() + photon.depth - 1 > plan_.max_depth) return;
         const Vec3& wi = photon.direction;
-        const auto [f, pdf_to_light] = evaluate_with_pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
+        const auto [f, to_light, back] = evaluate_both_ways(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
         if (f.is_black()) return;
-        const float density = (carried.path_pdf * photon.path_pdf).average();
+        const float density = (carried_.path_pdf * photon.path_pdf).average();
         if (!(density > 0.0f)) return;
         const double others =
-            merged_side_sum(rules_, photon.weights, pdf_to_light, eta, dapple::joins_before(rules_, photon)) +
-            merged_side_sum(rules_, weights_, pdf(vertex.bsdf, wi, vertex.wo, TransportMode::radiance), eta,
-                            joins_before());
-        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale * inverse_coverage *
+            merged_side_sum(rules_, photon.weights(), to_light, eta, dapple::joins_before(rules_, photon)) +
+            merged_side_sum(rules_, weights_, back, eta, joins_before());
+        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale *
                              sampled_visibility(world_, region, radius, at, start_.time);
-        add(carried.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density),
-            1.0 / (1.0 + others), classify(events, photon.events), photon.light_group,
-            {photon.depth + 1, eye_.depth() + 1, true});
+        if (merged_count_ == most_merged) add_merged(region);
+        Merged& merged = merged_[merged_count_++];
+        merged.estimate =
+            carried_.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density);
+        merged.weight = static_cast<float>(1.0 / (1.0 + others));
+        merged.path_class = classify(events, photon.events);
+        merged.group = LightGroup(photon.light_group);
+        merged.s = photon.depth + 1;
     });
+    add_merged(region);
     if (sample_.sums.radius == 0.0f) {
         sample_.sums.radius = radius;
         sample_.sums.photon_density = static_cast<float>(found) / (pi * radius * radius);
     }
+}
+
+// Looks at what of the disc is covered once for all that was merged, and adds it.
+void BidirectionalEyePath::add_merged(const SurfaceRegion& region)
+{
+    const std::span<const Merged> all(merged_, static_cast<size_t>(merged_count_));
+    merged_count_ = 0;
+    Spectrum sum;
+    for (const Merged& merged : all) sum += merged.estimate * merged.weight;
+    if (sum.is_black()) return;
+    const float coverage = inverse_coverage(region, sum.max());
+    for (const Merged& merged : all)
+        add(merged.estimate * coverage, merged.weight, merged.path_class, merged.group,
+            {merged.s, eye_.depth() + 1, true});
+}
+
+// With the mean 1 / (share of the merging disc that lies on what is seen of the surface). worth: what it is to scale;
+// where that is little, chance decides whether the disc is looked at.
+float BidirectionalEyePath::inverse_coverage(const SurfaceRegion& region, float worth)
+{
+    RandomStream trials = stream_of_trials(sample_.random, eye_.depth());
+    const float looks = std::clamp(worth / (worth_a_look * found_), least_looks, 1.0f);
+    if (looks < 1.0f && trials.next() >= looks) return 1.0f;
+    return 1.0f + (sampled_inverse_coverage(world_, region, radius_, plan_.kernel, start_.time, trials) - 1.0f) / looks;
 }
 
 }  // namespace dapple

@@ -25,9 +25,9 @@ struct BidirectionalPlan {
     bool stores() const { return rules.inner || merging; }
 };
 
-// Adds the light vertices of one path to the film, as the camera sees them (t = 1).
-void splat_light_path(const PassContext& context, Film& film, const BidirectionalPlan& plan,
-                      const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices);
+// Adds a light vertex to the film, as the camera sees it (t = 1).
+void splat_light_vertex(const PassContext& context, Film& film, const BidirectionalPlan& plan,
+                        const LightSubpaths& subpaths, int64_t path, const LightArrival& light);
 
 class BidirectionalEyePath {
 public:
@@ -49,8 +49,11 @@ private:
     void add_emission();
     void add_environment();
     void join_light();
-    void join(const LightVertex& light);
+    void join_all();
+    void join(const LightSubpaths::Path& path, const LightVertex& light);
     void merge();
+    void add_merged(const SurfaceRegion& region);
+    float inverse_coverage(const SurfaceRegion& region, float worth);
 
     const BidirectionalPlan& plan_;
     const MisRules& rules_;
@@ -58,10 +61,26 @@ private:
     const LightSubpaths& subpaths_;
     EyeSample& sample_;
     const int64_t path_;  // the light path it is joined to
+    const size_t set_;    // of wavelengths
     const PathStart start_;
     Walk eye_;
     SubpathWeights weights_;  // at the current vertex
     double eta_ = 0.0;        // of merging there
+    float radius_ = 0.0f;     // likewise; 0 where nothing is merged [m]
+    Carried carried_;         // to the current vertex, if it is no delta
+    float found_ = 0.0f;      // radiance found so far, largest lane
+
+    struct Merged {
+        Spectrum estimate;
+        float weight;
+        PathClass path_class;
+        LightGroup group;
+        int s;  // vertices from the light
+    };
+    static constexpr int most_merged = 16;
+    Merged merged_[most_merged];  // at the current vertex, not yet added
+    int merged_count_ = 0;
+    Bsdf diffuse_light_end_;  // scratch
     std::optional<TechniqueFilms::Sample> record_;
 };
 

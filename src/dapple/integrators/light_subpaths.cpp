@@ -78,7 +78,7 @@ SubpathWeights departure_weights(const World& world, const MisRules& rules, cons
 }  // namespace
 
 LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution,
-                             const LightSubpathPlan& plan, const PathVisitor& visit)
+                             const LightSubpathPlan& plan, const Visitor& visit)
     : plan_(plan), model_(model), resolution_(resolution), seed_(context.seed), pass_(context.pass)
 {
     const uint64_t purpose = static_cast<uint64_t>(StreamPurpose::wavelength_set);
@@ -93,25 +93,25 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
     }
 
     chunks_.resize(plan_.stored ? static_cast<size_t>((plan_.paths + chunk_paths - 1) / chunk_paths) : 0);
-    std::atomic<uint64_t> found{0};
+    std::atomic<uint64_t> stored{0};
     parallel_for_ranges(plan_.paths, chunk_paths, [&](int64_t begin, int64_t end) {
         if (context.cancelled()) return;
         Chunk traced;
+        if (plan_.stored) traced.vertices.reserve(4 * static_cast<size_t>(end - begin));
         for (int64_t path = begin; path < end; ++path) {
-            const size_t first = traced.vertices.size();
-            trace(context.world, path, traced.vertices);
-            found += traced.vertices.size() - first;
-            visit(*this, path, std::span(traced.vertices).subspan(first));
-            if (plan_.stored)
-                traced.end.push_back(static_cast<uint32_t>(traced.vertices.size()));
-            else
-                traced.vertices.clear();
+            trace(context.world, path, [&](const LightArrival& arrival) {
+                visit(*this, path, arrival);
+                if (plan_.stored) store(arrival, traced);
+            });
+            if (plan_.stored) traced.end.push_back(static_cast<uint32_t>(traced.vertices.size()));
         }
+        if (!plan_.stored) return;
+        stored += traced.vertices.size();
         traced.vertices.shrink_to_fit();
-        if (plan_.stored) chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
+        chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
     });
     context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
-    if (plan_.stored) context.statistics.photons_stored += found.load();
+    context.statistics.photons_stored += stored.load();
     if (plan_.merging && !context.cancelled()) build_maps();
 }
 
@@ -132,14 +132,8 @@ PathStart LightSubpaths::start(int64_t path) const
     return path_start(choose_wavelengths(model_, random.next()), u);
 }
 
-double LightSubpaths::eta(int64_t path, const Vertex& vertex) const
-{
-    if (!plan_.merging || !plan_.merges_everywhere || !vertex.on_surface) return 0.0;
-    const double radius = plan_.radius.at(vertex.at.position);
-    return pi * radius * radius * static_cast<double>(paths_in_set(path));
-}
-
-void LightSubpaths::trace(const World& world, int64_t path, std::vector<LightVertex>& vertices) const
+template <class Arrive>
+void LightSubpaths::trace(const World& world, int64_t path, Arrive&& arrive) const
 {
     // The paths of all passes are one sequence: they spread evenly together.
     RandomStream random = light_path_stream(seed_, hash_words(static_cast<uint64_t>(StreamPurpose::light_subpath), 1),
@@ -148,50 +142,91 @@ void LightSubpaths::trace(const World& world, int64_t path, std::vector<LightVer
     Departure departure;
     if (!emit(world, start(path), random, walk, departure)) return;
     walk.keep_reverse_density();
+    const size_t set = set_of(path);
     SubpathWeights weights;
-    double eta_before = 0.0;
+    double eta_here = 0.0;
     while (const Vertex* vertex = walk.next(world, random)) {
         const float cosine_in = geometric_cosine(*vertex, vertex->wo);
         if (!(cosine_in > 0.0f)) return;
         if (walk.depth() == 1) {
             weights = departure_weights(world, plan_.rules, departure, walk);
         } else {
-            const SubpathStep step{walk.pdf_direction(), walk.pdf_reverse(), walk.cosine_out(), eta_before,
+            const SubpathStep step{walk.pdf_direction(), walk.pdf_reverse(), walk.cosine_out(), eta_here,
                                    walk.depth() == 2 ? plan_.rules.direct : plan_.rules.inner};
             weights = advance(plan_.rules, weights, step, sqr(double(vertex->distance)), cosine_in);
         }
-        eta_before = eta(path, *vertex);
-        if (!vertex->is_delta()) {
-            const Carried carried = walk.carried();
-            vertices.push_back({*vertex, carried.throughput, carried.path_pdf, weights, walk.events(), walk.light_group,
-                                static_cast<uint16_t>(walk.depth())});
-        }
-        if (walk.depth() >= plan_.max_depth || !walk.survive_roulette(random)) return;
+        const bool delta = vertex->is_delta();
+        eta_here = delta || !vertex->on_surface ? 0.0 : eta(set, plan_.radius.at(vertex->at.position));
+        if (!delta)
+            arrive(LightArrival{*vertex, walk.carried(), weights, eta_here, walk.events(), walk.light_group,
+                                walk.depth()});
+        if (walk.depth() >= plan_.max_depth || !walk.survive_roulette(random, expected_albedo(*vertex))) return;
+    }
+}
+
+void LightSubpaths::store(const LightArrival& arrival, Chunk& chunk)
+{
+    const Vertex& vertex = arrival.vertex;
+    const Bsdf& bsdf = vertex.bsdf;
+    LightVertex& v = chunk.vertices.emplace_back();
+    v.throughput = arrival.carried.throughput;
+    v.path_pdf = arrival.carried.path_pdf;
+    v.position = vertex.at.position;
+    v.wo = vertex.wo;
+    // Weights beyond the range of float mean that nothing is left for the technique at hand either way.
+    constexpr double most = 1e37;
+    v.d_vcm = static_cast<float>(std::min(arrival.weights.d_vcm, most));
+    v.d_vc = static_cast<float>(std::min(arrival.weights.d_vc, most));
+    v.eta = static_cast<float>(arrival.eta);
+    v.light_group = arrival.light_group;
+    v.events = arrival.events;
+    v.depth = static_cast<uint16_t>(arrival.depth);
+    if (!vertex.on_surface) {
+        v.bsdf = LightVertex::medium;
+        v.reflectance = Spectrum(vertex.phase_g);
+        return;
+    }
+    v.n_geometric = vertex.at.n_geometric;
+    v.n_shading = bsdf.frame.n;
+    v.offset = dot(abs(vertex.at.n_geometric), vertex.at.error);
+    if (bsdf.kind == BsdfKind::diffuse) {
+        v.bsdf = LightVertex::diffuse;
+        v.reflectance = bsdf.a;
+    } else {
+        v.bsdf = static_cast<uint32_t>(chunk.bsdfs.size());
+        chunk.bsdfs.push_back(bsdf);
     }
 }
 
 void LightSubpaths::build_maps()
 {
     std::vector<std::vector<const LightVertex*>> members(maps_.size());
-    for (int64_t path = 0; path < plan_.paths; ++path)
-        for (const LightVertex& v : vertices(path))
-            if (v.vertex.on_surface) members[set_of(path)].push_back(&v);
+    for (int64_t i = 0; i < plan_.paths; ++i) {
+        std::vector<const LightVertex*>& of_set = members[set_of(i)];
+        for (const LightVertex& v : path(i).vertices)
+            if (v.on_surface()) of_set.push_back(&v);
+    }
     for (size_t set = 0; set < maps_.size(); ++set) {
         Map& map = maps_[set];
         const std::vector<const LightVertex*>& of_set = members[set];
         std::vector<Vec3> positions(of_set.size());
-        parallel_for(static_cast<int64_t>(of_set.size()), 4096, [&](int64_t i) {
-            positions[static_cast<size_t>(i)] = of_set[static_cast<size_t>(i)]->vertex.at.position;
-        });
+        parallel_for(static_cast<int64_t>(of_set.size()), 4096,
+                     [&](int64_t i) { positions[static_cast<size_t>(i)] = of_set[static_cast<size_t>(i)]->position; });
         std::vector<uint32_t> order;
         map.tree = PointTree(positions, order);
         map.photons.resize(order.size());
         parallel_for(static_cast<int64_t>(order.size()), 4096, [&](int64_t slot) {
             const LightVertex& v = *of_set[order[static_cast<size_t>(slot)]];
-            map.photons[static_cast<size_t>(slot)] = {v.vertex.wo,   face_forward(v.vertex.at.n_geometric, v.vertex.wo),
-                                                      v.throughput,  v.path_pdf,
-                                                      v.weights,     v.events,
-                                                      v.light_group, v.depth};
+            const Vec3 normal = face_forward(v.n_geometric, v.wo);
+            map.photons[static_cast<size_t>(slot)] = {v.throughput,
+                                                      v.path_pdf,
+                                                      v.wo,
+                                                      v.d_vcm,
+                                                      v.d_vc,
+                                                      v.events,
+                                                      v.depth,
+                                                      static_cast<uint16_t>(pack_unit<8>(normal)),
+                                                      static_cast<uint16_t>(v.light_group.value)};
         });
     }
 }

@@ -5,6 +5,7 @@
 
 #include "dapple/integrators/integrator.h"
 #include "dapple/integrators/surface_coverage.h"
+#include "dapple/photons/photon_packing.h"
 #include "dapple/transport/subpath_weights.h"
 #include "dapple/transport/walk.h"
 
@@ -42,66 +43,109 @@ struct LightSubpathPlan {
     MisRules rules;
 };
 
-struct LightVertex {
-    Vertex vertex;
-    Spectrum throughput;  // flux [W], not divided by the number of paths
-    Spectrum path_pdf;
+// A vertex of a light path as it is traced.
+struct LightArrival {
+    const Vertex& vertex;
+    Carried carried;  // throughput: flux [W], not divided by the number of paths
     SubpathWeights weights;
+    double eta = 0.0;   // of merging at the vertex
     PathEvents events;  // this vertex not counted
     LightGroup light_group;
-    uint16_t depth = 1;  // vertices after the light, this one included
+    int depth = 1;  // vertices after the light, this one included
 };
 
-// A light vertex as merging sees it.
-struct MergePhoton {
-    Vec3 direction;  // unit, back along the light path
-    Vec3 normal;     // geometric, on the side of `direction`
+// What is stored of it: two cache lines. The Bsdf of a diffuse surface is its normals and its reflectance; others
+// are kept beside.
+struct alignas(64) LightVertex {
+    static constexpr uint32_t diffuse = 0xffffffffu, medium = 0xfffffffeu;
+
+    Spectrum throughput;  // as above
+    Spectrum path_pdf;
+    Spectrum reflectance;  // diffuse surfaces; media: the phase function's mean cosine, in the first lane
+    Vec3 position;
+    Vec3 wo;           // unit, back along the light path
+    Vec3 n_geometric;  // surfaces
+    Vec3 n_shading;    // diffuse surfaces
+    float offset;      // of rays from the surface along its normal [m]
+    float d_vcm, d_vc;
+    float eta;
+    uint32_t bsdf;  // diffuse, medium, or an index (bsdf_of)
+    LightGroup light_group;
+    PathEvents events;
+    uint16_t depth;
+
+    bool on_surface() const { return bsdf != medium; }
+    SubpathWeights weights() const { return {d_vcm, d_vc}; }
+};
+static_assert(sizeof(LightVertex) == 128);
+
+// A light vertex as merging sees it: one cache line.
+struct alignas(64) MergePhoton {
     Spectrum throughput;
     Spectrum path_pdf;
-    SubpathWeights weights;
+    Vec3 direction;  // unit, back along the light path
+    float d_vcm, d_vc;
     PathEvents events;
-    LightGroup light_group;
-    uint16_t depth = 1;
+    uint16_t depth;
+    uint16_t normal;  // geometric, on the side of `direction`, packed
+    uint16_t light_group;
+
+    SubpathWeights weights() const { return {d_vcm, d_vc}; }
 };
+static_assert(sizeof(MergePhoton) == 64);
 
 class LightSubpaths {
 public:
-    // visit(*this, path, vertices) is called for each path right after it is traced, on many threads at once.
-    using PathVisitor =
-        std::function<void(const LightSubpaths& subpaths, int64_t path, std::span<const LightVertex> vertices)>;
+    // visit(*this, path, vertex) is called for each vertex that is no delta as it is traced, on many threads at once.
+    using Visitor = std::function<void(const LightSubpaths& subpaths, int64_t path, const LightArrival& vertex)>;
     LightSubpaths(const PassContext& context, ColorModel model, Int2 resolution, const LightSubpathPlan& plan,
-                  const PathVisitor& visit);
+                  const Visitor& visit);
 
     int64_t paths() const { return plan_.paths; }
     int64_t path_of(Int2 pixel) const { return (int64_t(pixel.y) * resolution_.x + pixel.x) % plan_.paths; }
+    // The set of wavelengths of a path.
+    size_t set_of(int64_t path) const;
     // The start that path j shares with the eye path of its pixel.
     PathStart start(int64_t path) const;
-    std::span<const LightVertex> vertices(int64_t path) const
+
+    struct Path {
+        std::span<const LightVertex> vertices;
+        const Bsdf* bsdfs = nullptr;
+        // Of a vertex whose Bsdf is kept beside.
+        const Bsdf& bsdf_of(const LightVertex& vertex) const { return bsdfs[vertex.bsdf]; }
+    };
+    Path path(int64_t index) const
     {
-        const Chunk& chunk = chunks_[static_cast<size_t>(path / chunk_paths)];
-        const auto local = static_cast<size_t>(path % chunk_paths);
+        const Chunk& chunk = chunks_[static_cast<size_t>(index / chunk_paths)];
+        const auto local = static_cast<size_t>(index % chunk_paths);
         const uint32_t begin = local == 0 ? 0u : chunk.end[local - 1];
-        return {chunk.vertices.data() + begin, chunk.end[local] - begin};
+        return {{chunk.vertices.data() + begin, chunk.end[local] - begin}, chunk.bsdfs.data()};
     }
 
-    // Expected number of light vertices of the path's wavelengths that meet a disc of radius r, per unit of their
-    // density per path: pi r^2 N; 0 where nothing is merged.
-    double eta(int64_t path, const Vertex& vertex) const;
     // Of merging [m].
     float radius_at(const Vec3& position) const { return plan_.radius.at(position); }
-    // Light paths that share the wavelengths of this one.
-    int64_t paths_in_set(int64_t path) const { return maps_.empty() ? 1 : maps_[set_of(path)].paths; }
+    // Expected number of light vertices of a set's wavelengths that meet a disc of the radius, per unit of their
+    // density per path: pi r^2 N; 0 where nothing is merged.
+    double eta(size_t set, float radius) const
+    {
+        return plan_.merging && plan_.merges_everywhere
+                   ? pi * double(radius) * radius * static_cast<double>(paths_in_set(set))
+                   : 0.0;
+    }
+    // Light paths that share the set's wavelengths.
+    int64_t paths_in_set(size_t set) const { return maps_.empty() ? 1 : maps_[set].paths; }
 
-    // Calls visit(photon, position, distance_squared) for the photons of the path's wavelength set that lie on the same
-    // surface within the radius of `at`.
-    template <class Visitor>
-    void for_each_near(int64_t path, const Vertex& at, float radius, Visitor&& visit) const;
+    // Calls visit(photon, position, distance_squared) for the set's photons that lie on the region's surface within the
+    // radius.
+    template <class Visit>
+    void for_each_near(size_t set, const SurfaceRegion& region, float radius, Visit&& visit) const;
 
     static constexpr int64_t chunk_paths = 1024;
 
 private:
     struct Chunk {
         std::vector<LightVertex> vertices;
+        std::vector<Bsdf> bsdfs;    // of vertices on surfaces that are not diffuse
         std::vector<uint32_t> end;  // of each path's vertices
     };
     struct Map {
@@ -110,9 +154,10 @@ private:
         int64_t paths = 0;
     };
 
-    void trace(const World& world, int64_t path, std::vector<LightVertex>& vertices) const;
+    template <class Arrive>
+    void trace(const World& world, int64_t path, Arrive&& arrive) const;
+    static void store(const LightArrival& arrival, Chunk& chunk);
     void build_maps();
-    size_t set_of(int64_t path) const;
 
     LightSubpathPlan plan_;
     ColorModel model_;
@@ -124,15 +169,32 @@ private:
     std::vector<Map> maps_;
 };
 
-template <class Visitor>
-void LightSubpaths::for_each_near(int64_t path, const Vertex& at, float radius, Visitor&& visit) const
+template <class Visit>
+void LightSubpaths::for_each_near(size_t set, const SurfaceRegion& region, float radius, Visit&& visit) const
 {
-    const Map& map = maps_[set_of(path)];
-    const SurfaceRegion region = surface_region(at.at.position, at.bsdf, at.wo);
+    // Photons are asked for as they are found and looked at a while later, when memory has brought them.
+    constexpr int batch = 32;
+    struct Found {
+        uint32_t slot;
+        float distance_squared;
+    };
+    Found found[batch];
+    int count = 0;
+    const Map& map = maps_[set];
+    const auto look = [&] {
+        for (int i = 0; i < count; ++i) {
+            const MergePhoton& photon = map.photons[found[i].slot];
+            if (region.takes(unpack_unit<8>(photon.normal)))
+                visit(photon, map.tree.position(found[i].slot), found[i].distance_squared);
+        }
+        count = 0;
+    };
     map.tree.for_each_within(region.disc(), radius * radius, AcceptAll{}, [&](uint32_t slot, float distance_squared) {
-        const MergePhoton& photon = map.photons[slot];
-        if (region.takes(photon.normal)) visit(photon, map.tree.position(slot), distance_squared);
+        __builtin_prefetch(&map.photons[slot]);
+        found[count++] = {slot, distance_squared};
+        if (count == batch) look();
     });
+    look();
 }
 
 // The density of emission over that of light sampling, for a light's point seen from a vertex: both as the densities of
@@ -140,6 +202,16 @@ void LightSubpaths::for_each_near(int64_t path, const Vertex& at, float radius, 
 // area light's point; cosine_in and distance2: at and to the vertex. Without the probability of the light.
 double emission_over_direct(const Light& light, const EmissionDensity& emission, float direct_pdf, float cosine_light,
                             float cosine_in, float distance2);
+
+// About what scattering at a vertex leaves, for roulette before it; never far below what can come.
+inline Spectrum expected_albedo(const Vertex& vertex)
+{
+    if (!vertex.on_surface) return Spectrum(1.0f);
+    Spectrum albedo = guide_albedo(vertex.bsdf, vertex.wo);
+    const float least = vertex.bsdf.kind == BsdfKind::diffuse ? 0.0f : 0.1f;
+    for (float& lane : albedo.v) lane = std::max(lane, least);
+    return albedo;
+}
 
 // The geometric cosine at a vertex; 1 in media.
 inline float geometric_cosine(const Vertex& vertex, const Vec3& w)

@@ -6,6 +6,7 @@
 
 #include "dapple/materials/bsdf.h"
 
+#include "dapple/materials/both_ways.h"
 #include "dapple/materials/layered.h"
 
 namespace dapple {
@@ -120,6 +121,12 @@ Spectrum evaluate(const Bsdf& bsdf, const Vec3& wo_world, const Vec3& wi_world, 
 
 float pdf(const Bsdf& bsdf, const Vec3& wo_world, const Vec3& wi_world, TransportMode)
 {
+    if (bsdf.kind == BsdfKind::diffuse) {
+        // The commonest family needs the two heights alone.
+        const Vec3 wo(0.0f, 0.0f, dot(wo_world, bsdf.frame.n));
+        const Vec3 wi(0.0f, 0.0f, dot(wi_world, bsdf.frame.n));
+        return in_plane(wo) || in_plane(wi) ? 0.0f : diffuse(bsdf).pdf(wo, wi, Lobes::all);
+    }
     const Vec3 wo = bsdf.frame.to_local(wo_world);
     const Vec3 wi = bsdf.frame.to_local(wi_world);
     if (in_plane(wo) || in_plane(wi)) return 0.0f;
@@ -144,13 +151,19 @@ BsdfValue evaluate_with_pdf(const Bsdf& bsdf, const Vec3& wo_world, const Vec3& 
         if (f.is_black()) return {};
         return {f, pdf(bsdf, wo_world, wi_world, mode)};
     }
-    // The commonest family needs the two heights alone.
     const Vec3 wo(0.0f, 0.0f, dot(wo_world, bsdf.frame.n));
     const Vec3 wi(0.0f, 0.0f, dot(wi_world, bsdf.frame.n));
     if (in_plane(wo) || in_plane(wi) || !same_hemisphere(wo, wi)) return {};
     const Spectrum f = diffuse(bsdf).f(wo, wi) * adjoint_factor(bsdf, wo_world, wi_world, wo.z, wi.z, 1.0f, mode);
     if (f.is_black()) return {};
     return {f, diffuse(bsdf).pdf(wo, wi, Lobes::all)};
+}
+
+BsdfBothWays evaluate_both_ways(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode)
+{
+    const BsdfValue value = evaluate_with_pdf(bsdf, wo, wi, mode);
+    if (value.f.is_black()) return {};
+    return {value.f, value.pdf, pdf(bsdf, wi, wo, mode)};
 }
 
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo_world, float u_lobe, const Vec2& u, TransportMode mode,

@@ -44,12 +44,12 @@ float reverse_pdf(const Vertex& vertex, const Vec3& wi, TransportMode mode)
     return vertex.on_surface ? pdf(vertex.bsdf, wi, vertex.wo, mode) : evaluate_phase(vertex.phase_g, wi, vertex.wo);
 }
 
-Transmittance between(const World& world, const Vertex& from, const Vertex& to, const PathStart& start,
+Transmittance between(const World& world, const Vertex& from, const Vec3& to, const PathStart& start,
                       RandomStream& random)
 {
-    const Vec3 towards = to.at.position - from.at.position;
+    const Vec3 towards = to - from.at.position;
     float t_max = 0.0f;
-    const Ray ray = connection_ray(leave(from, towards), leave(to, -towards), start.time, t_max);
+    const Ray ray = connection_ray(leave(from, towards), to, start.time, t_max);
     return transmittance(world, ray, t_max, medium_towards(world, from, towards), start.wavelengths, start.kept_lane,
                          random);
 }

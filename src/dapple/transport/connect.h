@@ -17,8 +17,8 @@ Scattering evaluate_scattering(const Vertex& vertex, const Vec3& wi, TransportMo
 // The density with which the vertex would sample its wo, had it been reached from wi.
 float reverse_pdf(const Vertex& vertex, const Vec3& wi, TransportMode mode);
 
-// What a straight line between two vertices lets through.
-Transmittance between(const World& world, const Vertex& from, const Vertex& to, const PathStart& start,
+// What a straight line from a vertex lets through, to a point that is already offset from its surface.
+Transmittance between(const World& world, const Vertex& from, const Vec3& to, const PathStart& start,
                       RandomStream& random);
 
 // A vertex joined to a point of a light chosen by light sampling.

@@ -169,9 +169,10 @@ void Walk::keep_only_lane()
     }
 }
 
-bool Walk::survive_roulette(RandomStream& random)
+bool Walk::survive_roulette(RandomStream& random, const Spectrum& coming)
 {
-    const float largest = single_lane_ ? throughput_[kept_lane_] / Spectrum::lanes : throughput_.max();
+    const Spectrum left = throughput_ * coming;
+    const float largest = single_lane_ ? left[kept_lane_] / Spectrum::lanes : left.max();
     const float survival = std::min(1.0f, largest * eta_scale_ / path_pdf_.average());
     if (survival >= 1.0f) return true;
     if (random.next() >= survival) return false;

@@ -68,7 +68,9 @@ public:
     const Vertex* next(const World& world, RandomStream& random);
 
     // Ends the walk with the probability that its throughput has lost; true: it goes on, with its throughput raised.
-    bool survive_roulette(RandomStream& random);
+    // coming: about what the next scattering will leave, where its loss is to count already: saves the ray to a vertex
+    // that would be the end. Any value above 0 is right on average.
+    bool survive_roulette(RandomStream& random, const Spectrum& coming = Spectrum(1.0f));
 
     bool escaped() const { return escaped_; }
     const Ray& ray() const { return ray_; }  // the last ray, from the last vertex

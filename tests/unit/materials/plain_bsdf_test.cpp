@@ -1,5 +1,6 @@
 // Samplers, densities and values of the families without layers.
-#include "dapple/materials/bsdf.h"
+#include "dapple/materials/both_ways.h"
+#include "dapple/sampling/warps.h"
 
 #include "scatter_testing.h"
 
@@ -231,6 +232,26 @@ TEST(PlainBsdf, NothingIsEverNaN)
             ASSERT_NEAR(length(sample.wi), 1.0f, 1e-5f);
         }
     }
+}
+
+TEST(PlainBsdf, BothWaysAreTheSeparateCalls)
+{
+    Numbers numbers(12);
+    int scattered = 0;
+    for (const auto& [name, bsdf] : plain_bsdfs())
+        for (const TransportMode mode : modes)
+            for (int i = 0; i < 200; ++i) {
+                SCOPED_TRACE(name);
+                const Vec3 wo = sample_uniform_sphere(numbers.next_2d()), wi = sample_uniform_sphere(numbers.next_2d());
+                const BsdfBothWays both = evaluate_both_ways(bsdf, wo, wi, mode);
+                EXPECT_EQ(both.f, evaluate(bsdf, wo, wi, mode));
+                if (both.f.is_black()) continue;
+                ++scattered;
+                EXPECT_EQ(both.pdf, pdf(bsdf, wo, wi, mode));
+                EXPECT_EQ(both.pdf_reverse, pdf(bsdf, wi, wo, mode));
+                EXPECT_GT(both.pdf_reverse, 0.0f);
+            }
+    EXPECT_GT(scattered, 1000);
 }
 
 }  // namespace

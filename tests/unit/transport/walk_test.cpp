@@ -74,5 +74,34 @@ TEST(Walk, SeesTheSkyThroughAnEndlessMediumInTheLanesItDoesNotTouch)
     EXPECT_EQ(through.value, Spectrum(0, 1, 1, 1));
 }
 
+// Inside a sphere of albedo 1/2 the throughput of all vertices sums to 1 + 1/2 + 1/4 + ... = 2. Roulette that counts
+// the coming loss keeps it, for any guess of that loss; with the right one each vertex has throughput 1.
+TEST(Walk, KeepsItsMeanWhereRouletteCountsTheLossToCome)
+{
+    SmallScene scene;
+    scene.shape(scene::Sphere{}, scene.material(scene::DiffuseMaterial{}));
+    const auto world = scene.world();
+    for (const float guess : {0.5f, 0.2f, 1.0f}) {
+        double sum = 0.0;
+        int64_t vertices = 0;
+        constexpr int count = 20000;
+        for (int i = 0; i < count; ++i) {
+            RandomStream random(1, 2, static_cast<uint32_t>(i));
+            const Vec2 u = random.next_2d();
+            const Vec3 direction = spherical_direction(std::sqrt(1.0f - sqr(u.x)), u.x, 6.2831853f * u.y);
+            Walk walk(Ray{Vec3(0.1f, 0.2f, 0.3f), direction, 0.0f}, MediumId(), TransportMode::importance,
+                      Wavelengths::rgb(), 0, Spectrum(1.0f));
+            while (walk.next(*world, random)) {
+                ++vertices;
+                sum += walk.throughput()[1];
+                if (!walk.survive_roulette(random, Spectrum(guess))) break;
+            }
+        }
+        EXPECT_NEAR(sum / count, 2.0, 0.05) << "guess " << guess;
+        const double per_walk = double(vertices) / count;
+        EXPECT_NEAR(per_walk, guess == 1.0f ? 3.0 : guess == 0.5f ? 2.0 : per_walk, 0.05) << "guess " << guess;
+    }
+}
+
 }  // namespace
 }  // namespace dapple
