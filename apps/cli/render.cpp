@@ -230,7 +230,8 @@ int render(const RenderOptions& options, const RenderStart& start)
     FilmSettings settings =
         film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
     settings.first_pass = options.first_pass;
-    check_memory(options.memory.empty() ? 0 : parse_size("--memory", options.memory), compiled, settings, choice);
+    check_memory(options.memory.empty() ? 0 : parse_size("--memory", options.memory), compiled, settings, choice,
+                 options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings));
     if (world->has_scattering_media && !choice.entry->media)
         log_warning(
             "integrator '{}' does not handle scattering media, and this scene has some: their light is missing; "

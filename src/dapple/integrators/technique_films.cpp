@@ -20,10 +20,10 @@ std::vector<std::string> layer_names(int longest)
 
 }  // namespace
 
-FilmSettings TechniqueFilms::settings_of(const FilmSettings& like, const std::vector<std::string>& names)
+FilmSettings TechniqueFilms::film_settings(const FilmSettings& like, int longest)
 {
     FilmSettings settings = like;
-    settings.light_groups = names;
+    settings.light_groups = layer_names(longest);
     settings.class_layers = settings.guide_layers = settings.photon_layers = settings.error_layer = false;
     return settings;
 }
@@ -31,8 +31,8 @@ FilmSettings TechniqueFilms::settings_of(const FilmSettings& like, const std::ve
 TechniqueFilms::TechniqueFilms(const FilmSettings& like, int longest)
     : longest_(longest),
       names_(layer_names(longest)),
-      weighted_(settings_of(like, names_)),
-      unweighted_(settings_of(like, names_))
+      weighted_(film_settings(like, longest)),
+      unweighted_(film_settings(like, longest))
 {
 }
 

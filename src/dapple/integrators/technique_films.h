@@ -22,7 +22,9 @@ struct Technique {
 class TechniqueFilms {
 public:
     // `like`: the film of the beauty.
-    explicit TechniqueFilms(const FilmSettings& like, int longest = 6);
+    explicit TechniqueFilms(const FilmSettings& like, int longest = default_longest);
+    // Of each of the two films.
+    static FilmSettings film_settings(const FilmSettings& like, int longest = default_longest);
 
     LightGroup layer(const Technique& technique) const;
 
@@ -48,7 +50,7 @@ public:
     };
 
 private:
-    static FilmSettings settings_of(const FilmSettings& like, const std::vector<std::string>& names);
+    static constexpr int default_longest = 6;
 
     int longest_;
     std::vector<std::string> names_;  // by layer

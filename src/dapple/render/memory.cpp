@@ -26,21 +26,24 @@ uint64_t scene_bytes(const CompileReport& report)
     return report.geometry_bytes + report.accelerator_bytes + report.texture_bytes + report.medium_bytes;
 }
 
-void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice)
+void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice,
+                  uint64_t techniques)
 {
     if (limit == 0) return;
+    const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
     const uint64_t scene = scene_bytes(report);
     const uint64_t film = film_bytes(settings) / 4 * 5;
-    if (program_bytes + scene + film >= limit)
+    const uint64_t fixed = program_bytes + scene + film + techniques;
+    if (fixed >= limit)
         throw UserError(fmt::format(
-            "--memory {} is not enough: the program takes {}, the scene {}, the film {} (fewer --layers or a "
-            "smaller --resolution take less)",
-            format_size(static_cast<double>(limit)), format_size(static_cast<double>(program_bytes)),
-            format_size(static_cast<double>(scene)), format_size(static_cast<double>(film))));
+            "--memory {} is not enough: the program takes {}, the scene {}, the film {}{} (fewer --layers or "
+            "a smaller --resolution take less)",
+            size(limit), size(program_bytes), size(scene), size(film),
+            techniques > 0 ? fmt::format(", the layers of --techniques {}", size(techniques)) : ""));
     const auto has = [](const SettingInfo& info) { return info.name == "memory"; };
     if (std::any_of(choice.entry->settings.begin(), choice.entry->settings.end(), has) &&
         choice.settings.is_auto("memory"))
-        choice.settings.set("memory", std::to_string(limit - program_bytes - scene - film));
+        choice.settings.set("memory", std::to_string(limit - fixed));
 }
 
 }  // namespace dapple

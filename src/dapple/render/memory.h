@@ -19,9 +19,10 @@ uint64_t film_bytes(const FilmSettings& settings);
 // Bytes of geometry, accelerator, textures and media.
 uint64_t scene_bytes(const CompileReport& report);
 
-// Holds a render to a limit [bytes]; 0: none. Throws UserError, with the parts, if program, scene and film (with a copy
-// of the image, a quarter of it) alone exceed it.
+// Holds a render to a limit [bytes]; 0: none. Throws UserError, with the parts, if program, scene, film (with a copy of
+// the image, a quarter of it) and the record of techniques (TechniqueRecord::bytes; 0: none) alone exceed it.
 // Otherwise what they leave goes to the integrator's setting "memory" if it has one that is still "auto".
-void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice);
+void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice,
+                  uint64_t techniques = 0);
 
 }  // namespace dapple

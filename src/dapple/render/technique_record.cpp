@@ -3,6 +3,7 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/image/image_file.h"
+#include "dapple/render/memory.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +15,12 @@ TechniqueRecord::TechniqueRecord(const FilmSettings& settings, Integrator& integ
     if (!integrator.record_techniques(films_))
         throw UserError(
             fmt::format("--techniques: '{}' has one technique only; lightpath, bdpt and vcm have more", name));
+}
+
+uint64_t TechniqueRecord::bytes(const FilmSettings& settings)
+{
+    // The layers of both films as one image of floats, and those of one beside, are three quarters of a film.
+    return film_bytes(TechniqueFilms::film_settings(settings)) / 4 * 11;
 }
 
 void TechniqueRecord::after_pass(const Film&, const RenderCounters&) { films_.end_pass(); }

@@ -14,6 +14,9 @@ public:
     // settings: of the film of the beauty. Throws UserError if the integrator, called `name`, has no techniques.
     TechniqueRecord(const FilmSettings& settings, Integrator& integrator, std::string_view name);
 
+    // What it takes beside such a film, at most: two films, and copies of their layers while they are written.
+    static uint64_t bytes(const FilmSettings& settings);
+
     void after_pass(const Film& film, const RenderCounters& counters) override;
 
     // Writes all layers as .exr; warns instead where the films do not hold whole passes. Throws UserError as

@@ -2,6 +2,7 @@
 #include "dapple/render/memory.h"
 
 #include "dapple/base/error.h"
+#include "dapple/render/technique_record.h"
 
 #include <gtest/gtest.h>
 
@@ -52,6 +53,21 @@ TEST_F(Memory, WhatIsLeftGoesToTheIntegrator)
     choice_.settings.set("memory", "7");
     check_memory(program_bytes + 100000, report_, film_, choice_);
     EXPECT_EQ(choice_.settings.integer("memory"), 7) << "the user's own value stays";
+}
+
+// 43 layers of three channels and a beauty in each of two films, 16 bytes each, and three quarters of one for writing.
+TEST_F(Memory, CountsTheRecordOfTechniques)
+{
+    const uint64_t techniques = TechniqueRecord::bytes(film_);
+    EXPECT_EQ(techniques, 100u * 10 * (43 + 1) * 3 * 16 * 11 / 4);
+    check_memory(program_bytes + 100000 + techniques, report_, film_, choice_, techniques);
+    EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500);
+    try {
+        check_memory(program_bytes + 100000, report_, film_, choice_, techniques);
+        ADD_FAILURE() << "the record of techniques is not refused";
+    } catch (const UserError& error) {
+        EXPECT_NE(std::string_view(error.what()).find("--techniques"), std::string_view::npos) << error.what();
+    }
 }
 
 }  // namespace
