@@ -67,7 +67,12 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
     for (int set = 0; set < plan.wavelength_sets && !context.cancelled(); ++set) {
         PhotonMapSet& map = maps[static_cast<size_t>(set)];
         map.wavelengths = wavelengths_of_set(model, context.seed, epoch, set, plan.wavelength_sets);
-        if (plan.one_time_per_set) map.time = time_of_set(context.seed, epoch, set, plan.wavelength_sets);
+        if (plan.one_time_per_set) {
+            // Epochs are few: wavelengths go on to another part of the shutter with each, lest shadows show colours.
+            const int next =
+                static_cast<int>((static_cast<uint32_t>(set) + epoch) % static_cast<uint32_t>(plan.wavelength_sets));
+            map.time = time_of_set(context.seed, epoch, next, plan.wavelength_sets);
+        }
         PhotonRequest request;
         request.wavelengths = map.wavelengths;
         request.time = map.time;
