@@ -17,9 +17,9 @@
 // that media emit is found by eye paths alone.
 //
 // What is worth little is left to chance, without bias: joins that would bring less than a share of what the eye path
-// has found so far, before their shadow ray; looks at the coverage of merging discs; both kinds of paths, by what the
-// coming scattering will leave of them, before their next ray. Cost: a shadow ray per pair of vertices at most; 128
-// bytes per light vertex (270 where it is neither diffuse nor in a medium), and 80 more in vcm.
+// has found so far, before their shadow ray; both kinds of paths, by what the coming scattering will leave of them,
+// before their next ray. Cost: a shadow ray per pair of vertices at most; 128 bytes per light vertex (270 where it is
+// neither diffuse nor in a medium), and 80 more in vcm.
 #include "dapple/integrators/bidirectional_path.h"
 
 #include "dapple/base/error.h"
