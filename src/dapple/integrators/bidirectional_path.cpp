@@ -61,9 +61,6 @@ Vec3 arrive_at(const LightVertex& vertex, const Vec3& from_there)
 
 // Joins that would bring less than this share of what the path has found so far are left to chance.
 constexpr float worth_a_ray = 0.05f;
-// The same for looks at a merging disc, and how often it is looked at at least.
-constexpr float worth_a_look = 2.0f;
-constexpr float least_looks = 0.1f;
 
 }  // namespace
 
@@ -320,7 +317,7 @@ void BidirectionalEyePath::merge()
     const float scale = static_cast<float>(1.0 / (double(radius) * radius * paths));
     const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
     int found = 0;
-    merged_count_ = 0;
+    std::optional<SampledCoverage> coverage;  // asked for with the first photon
     subpaths_.for_each_near(set_, region, radius, [&](const MergePhoton& photon, const Vec3& at, float distance2) {
         ++found;
         if (eye_.depth() + photon.depth - 1 > plan_.max_depth) return;
@@ -332,46 +329,20 @@ void BidirectionalEyePath::merge()
         const double others =
             merged_side_sum(rules_, photon.weights(), to_light, eta, dapple::joins_before(rules_, photon)) +
             merged_side_sum(rules_, weights_, back, eta, joins_before());
-        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale *
-                             sampled_visibility(world_, region, radius, at, start_.time);
-        if (merged_count_ == most_merged) add_merged(region);
-        Merged& merged = merged_[merged_count_++];
-        merged.estimate =
-            carried_.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density);
-        merged.weight = static_cast<float>(1.0 / (1.0 + others));
-        merged.path_class = classify(events, photon.events);
-        merged.group = LightGroup(photon.light_group);
-        merged.s = photon.depth + 1;
+        if (!coverage) {
+            RandomStream trials = stream_of_trials(sample_.random, eye_.depth());
+            coverage = sample_coverage(world_, region, radius, plan_.kernel, start_.time, trials);
+        }
+        if (coverage->obstructed && !sees_along_surface(world_, region, radius, at, start_.time)) return;
+        const float kernel = kernel_disc(plan_.kernel, std::sqrt(distance2) / radius) * scale * coverage->inverse;
+        add(carried_.throughput * f * photon.throughput * (kernel * shading_per_area(vertex.bsdf, wi) / density),
+            1.0 / (1.0 + others), classify(events, photon.events), LightGroup(photon.light_group),
+            {photon.depth + 1, eye_.depth() + 1, true});
     });
-    add_merged(region);
     if (sample_.sums.radius == 0.0f) {
         sample_.sums.radius = radius;
         sample_.sums.photon_density = static_cast<float>(found) / (pi * radius * radius);
     }
-}
-
-// Looks at what of the disc is covered once for all that was merged, and adds it.
-void BidirectionalEyePath::add_merged(const SurfaceRegion& region)
-{
-    const std::span<const Merged> all(merged_, static_cast<size_t>(merged_count_));
-    merged_count_ = 0;
-    Spectrum sum;
-    for (const Merged& merged : all) sum += merged.estimate * merged.weight;
-    if (sum.is_black()) return;
-    const float coverage = inverse_coverage(region, sum.max());
-    for (const Merged& merged : all)
-        add(merged.estimate * coverage, merged.weight, merged.path_class, merged.group,
-            {merged.s, eye_.depth() + 1, true});
-}
-
-// With the mean 1 / (share of the merging disc that lies on what is seen of the surface). worth: what it is to scale;
-// where that is little, chance decides whether the disc is looked at.
-float BidirectionalEyePath::inverse_coverage(const SurfaceRegion& region, float worth)
-{
-    RandomStream trials = stream_of_trials(sample_.random, eye_.depth());
-    const float looks = std::clamp(worth / (worth_a_look * found_), least_looks, 1.0f);
-    if (looks < 1.0f && trials.next() >= looks) return 1.0f;
-    return 1.0f + (sampled_inverse_coverage(world_, region, radius_, plan_.kernel, start_.time, trials) - 1.0f) / looks;
 }
 
 }  // namespace dapple

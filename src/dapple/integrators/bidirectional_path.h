@@ -52,8 +52,6 @@ private:
     void join_all();
     void join(const LightSubpaths::Path& path, const LightVertex& light);
     void merge();
-    void add_merged(const SurfaceRegion& region);
-    float inverse_coverage(const SurfaceRegion& region, float worth);
 
     const BidirectionalPlan& plan_;
     const MisRules& rules_;
@@ -69,17 +67,6 @@ private:
     float radius_ = 0.0f;     // likewise; 0 where nothing is merged [m]
     Carried carried_;         // to the current vertex, if it is no delta
     float found_ = 0.0f;      // radiance found so far, largest lane
-
-    struct Merged {
-        Spectrum estimate;
-        float weight;
-        PathClass path_class;
-        LightGroup group;
-        int s;  // vertices from the light
-    };
-    static constexpr int most_merged = 16;
-    Merged merged_[most_merged];  // at the current vertex, not yet added
-    int merged_count_ = 0;
     Bsdf diffuse_light_end_;  // scratch
     std::optional<TechniqueFilms::Sample> record_;
 };

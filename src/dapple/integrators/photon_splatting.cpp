@@ -35,6 +35,7 @@ struct VisiblePoint {
     Spectrum throughput;  // of the eye path, pixel filter and allowance for the surface's edges included
     Bsdf bsdf;
     PathEvents events;  // of the eye path before this vertex
+    bool obstructed;    // photons count only if they are seen
     bool first;         // of its eye path: the layer of photon density shows it
     uint32_t photons;   // that fell into its disc
 };
@@ -149,13 +150,13 @@ private:
                 const bool first = !(sample.sums.radius > 0.0f);
                 if (first) sample.sums.radius = radius;
                 RandomStream trials = stream_of_trials(sample.random, eye.depth());
-                const float inverse_coverage =
-                    sampled_inverse_coverage(context.world, surface_region(vertex.at.position, vertex.bsdf, vertex.wo),
-                                             radius, settings_.kernel(), vertex.at.time, trials);
-                points[set].add(
-                    sample.pixel.y - film.settings().crop_min.y,
-                    {vertex.at.position, radius, vertex.wo, sample.pixel,
-                     eye.arriving() * (sample.filter_weight * inverse_coverage), vertex.bsdf, eye.events(), first, 0});
+                const SampledCoverage coverage =
+                    sample_coverage(context.world, surface_region(vertex.at.position, vertex.bsdf, vertex.wo), radius,
+                                    settings_.kernel(), vertex.at.time, trials);
+                points[set].add(sample.pixel.y - film.settings().crop_min.y,
+                                {vertex.at.position, radius, vertex.wo, sample.pixel,
+                                 eye.arriving() * (sample.filter_weight * coverage.inverse), vertex.bsdf, eye.events(),
+                                 coverage.obstructed, first, 0});
             };
             trace_visible_points(context.world, sample, sets[set].time, settings_.max_depth(), keep);
         });
@@ -187,8 +188,8 @@ private:
                 photon_radiance(point.bsdf, point.wo, photon.direction, photon.flux,
                                 static_cast<PathClass>(photon.path_class), photon.from_delta_light, weight);
             if (light.is_black()) return;
-            const float seen = sampled_visibility(world, region, point.radius, photon.position, time);
-            film.add_to_pixel(point.pixel, colors.to_rgb(point.throughput * light) * seen,
+            if (point.obstructed && !sees_along_surface(world, region, point.radius, photon.position, time)) return;
+            film.add_to_pixel(point.pixel, colors.to_rgb(point.throughput * light),
                               class_with_photon(point.events, photon.path_class), LightGroup(photon.light_group));
         });
     }

@@ -97,12 +97,12 @@ private:
         for (size_t own = begin; own < end; ++own) {
             const PhotonMap& map = maps[own];
             if (radius_test_) radius = tested_radius(maps, own, region, largest_radius);
-            std::optional<float> inverse_coverage;  // asked for with the first photon
+            std::optional<SampledCoverage> coverage;  // asked for with the first photon
             const auto add = [&](uint32_t slot, float weight) {
-                if (!inverse_coverage)
-                    inverse_coverage =
-                        sampled_inverse_coverage(world, region, radius, settings_.kernel(), time, trials);
-                weight *= *inverse_coverage * sampled_visibility(world, region, radius, map.position(slot), time);
+                if (!coverage) coverage = sample_coverage(world, region, radius, settings_.kernel(), time, trials);
+                if (coverage->obstructed && !sees_along_surface(world, region, radius, map.position(slot), time))
+                    return;
+                weight *= coverage->inverse;
                 const uint8_t photon_class = map.path_class(slot);
                 light.add(photon_radiance(vertex.bsdf, vertex.wo, map.direction(slot), map.flux(slot),
                                           static_cast<PathClass>(photon_class), map.from_delta_light(slot), weight),

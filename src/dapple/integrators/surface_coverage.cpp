@@ -9,8 +9,8 @@ namespace {
 constexpr int first_points = 16;
 constexpr int further_points = 32;
 constexpr float golden_angle = 2.39996323f;
-constexpr int most_trials = 128;
-constexpr uint32_t photons_per_look = 8;
+constexpr int most_trials = 32;
+constexpr int looks_around = 3;
 
 // The nearest surface that is no mere boundary of media.
 bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
@@ -86,21 +86,35 @@ public:
         return !meet_surface(world_, Ray{eye_, to * (1.0f / distance), time_}, distance, point);
     }
 
-    // The area [disc radius^2] of seen surface over a unit of area of the disc round a point of it, weighed by what the
-    // kernel gives to a photon there over what it gives to the point: 0 where photons cannot count, 1 on a plane, at
-    // most 2.
-    float area_at(const Vec2& on_disc, KernelKind kernel) const
+    // Whether something stands on the disc, as seen in a few directions along it.
+    bool is_obstructed(float turn) const
+    {
+        for (int i = 0; i < looks_around; ++i) {
+            const float angle = 2.0f * pi * (turn + static_cast<float>(i) / looks_around);
+            SurfacePoint point;
+            if (meet_surface(world_, Ray{eye_, frame_.s * std::cos(angle) + frame_.t * std::sin(angle), time_}, radius_,
+                             point))
+                return true;
+        }
+        return false;
+    }
+
+    // The area [disc radius^2] of surface (seen, if asked for) over a unit of area of the disc round a point of it,
+    // weighed by what the kernel gives to a photon there over what it gives to the point: 0 where photons cannot count,
+    // 1 on a plane; what curvature adds beyond 1 is left out.
+    float area_at(const Vec2& on_disc, KernelKind kernel, bool if_seen) const
     {
         const Vec3 offset = (frame_.s * on_disc.x + frame_.t * on_disc.y) * radius_;
         SurfacePoint point;
         if (!meets_surface(region_.position + offset, point)) return 0.0f;
-        if (region_.side != PhotonSide::both && !sees(point.position)) return 0.0f;
+        if (if_seen && !sees(point.position)) return 0.0f;
         const float area = 1.0f / abs_dot(point.n_geometric, region_.normal);
         const float height = dot(point.position - region_.position, region_.normal) / radius_;
         const float squared = sqr(on_disc.x) + sqr(on_disc.y);
         const float t = std::sqrt(std::max(squared + sqr(height), sqr(height * region_.inverse_flatness)));
         if (!(t < 1.0f)) return 0.0f;
-        return area * detail::kernel_shape(kernel, t) / detail::kernel_shape(kernel, std::sqrt(squared));
+        return std::min(area * detail::kernel_shape(kernel, t) / detail::kernel_shape(kernel, std::sqrt(squared)),
+                        1.0f);
     }
 
     SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
@@ -147,29 +161,24 @@ SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region
     return look_around(world, region, radius, kernel, time).coverage();
 }
 
-float sampled_inverse_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,
-                               float time, RandomStream& random)
+SampledCoverage sample_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,
+                                float time, RandomStream& random)
 {
-    if (!can_look_around(region, radius)) return 1.0f;
+    SampledCoverage coverage;
+    if (!can_look_around(region, radius)) return coverage;
     const Neighbourhood neighbourhood(world, region, radius, time);
-    float sum = 1.0f, term = 1.0f;
-    for (int trial = 0; trial < most_trials; ++trial) {
-        const float missing = 1.0f - neighbourhood.area_at(kernel_point(kernel, random), kernel);
-        if (!(random.next() < std::fabs(missing))) break;
-        if (missing < 0.0f) term = -term;
-        sum += term;
+    coverage.obstructed = region.side != PhotonSide::both && neighbourhood.is_obstructed(random.next());
+    for (int trial = 1; trial < most_trials; ++trial) {
+        const float area = neighbourhood.area_at(kernel_point(kernel, random), kernel, coverage.obstructed);
+        if (random.next() < area) break;
+        coverage.inverse += 1.0f;
     }
-    return sum;
+    return coverage;
 }
 
-float sampled_visibility(const World& world, const SurfaceRegion& region, float radius, const Vec3& photon, float time)
+bool sees_along_surface(const World& world, const SurfaceRegion& region, float radius, const Vec3& photon, float time)
 {
-    if (region.side == PhotonSide::both || !can_look_around(region, radius)) return 1.0f;
-    const Vec3& at = region.position;
-    const uint64_t pair = hash_words(float_bits(at.x) << 32 | float_bits(at.y), float_bits(at.z),
-                                     float_bits(photon.x) << 32 | float_bits(photon.y), float_bits(photon.z));
-    if (pair % photons_per_look != 0) return 1.0f;
-    return Neighbourhood(world, region, radius, time).sees(photon) ? 1.0f : 1.0f - float(photons_per_look);
+    return Neighbourhood(world, region, radius, time).sees(photon);
 }
 
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
