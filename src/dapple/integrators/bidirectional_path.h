@@ -53,22 +53,22 @@ private:
     void join(const LightSubpaths::Path& path, const LightVertex& light);
     void merge();
 
+    Carried carried_;         // to the current vertex, if it is no delta
+    Bsdf diffuse_light_end_;  // scratch
+    Walk eye_;
     const BidirectionalPlan& plan_;
     const MisRules& rules_;
     const World& world_;
     const LightSubpaths& subpaths_;
     EyeSample& sample_;
-    const int64_t path_;  // the light path it is joined to
-    const size_t set_;    // of wavelengths
-    const PathStart start_;
-    Walk eye_;
-    SubpathWeights weights_;  // at the current vertex
-    double eta_ = 0.0;        // of merging there
-    float radius_ = 0.0f;     // likewise; 0 where nothing is merged [m]
-    Carried carried_;         // to the current vertex, if it is no delta
-    float found_ = 0.0f;      // radiance found so far, largest lane
-    Bsdf diffuse_light_end_;  // scratch
+    const int64_t path_;      // the light path it is joined to
+    const size_t set_;        // of wavelengths
+    double eta_ = 0.0;        // of merging at the current vertex
+    SubpathWeights weights_;  // there
     std::optional<TechniqueFilms::Sample> record_;
+    float radius_ = 0.0f;  // of merging there; 0 where nothing is merged [m]
+    float found_ = 0.0f;   // radiance found so far, largest lane
+    const PathStart start_;
 };
 
 }  // namespace dapple
