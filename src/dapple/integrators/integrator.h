@@ -62,6 +62,7 @@ struct IntegratorEntry {
     bool media = false;          // handles scattering media
     bool photon_layers = false;  // fills photon density and radius
     std::unique_ptr<Integrator> (*create)(const World& world, const Settings& settings);
+    uint64_t bytes_per_pixel = 0;  // what a pass keeps for each pixel besides the film
 };
 
 std::span<const IntegratorEntry> integrator_registry();

@@ -219,9 +219,8 @@ std::unique_ptr<Integrator> create(const World& world, const Settings& settings)
 extern const IntegratorEntry photon_splatting_entry{
     "photonsplat",
     "photon splatting: photons added to stored visible points, as sppm with memory independent of the photons",
-    settings_table,
-    false,
-    true,
-    create};
+    settings_table, false, true, create,
+    // A visible point or little more, in a list with room to grow, and the index.
+    2 * sizeof(VisiblePoint) + 40};
 
 }  // namespace dapple

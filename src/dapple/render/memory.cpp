@@ -33,12 +33,16 @@ void check_memory(uint64_t limit, const CompileReport& report, const FilmSetting
     const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
     const uint64_t scene = scene_bytes(report);
     const uint64_t film = film_bytes(settings) / 4 * 5;
-    const uint64_t fixed = program_bytes + scene + film + techniques;
+    const Int2 pixels = settings.crop_max - settings.crop_min;
+    const uint64_t points =
+        static_cast<uint64_t>(pixels.x) * static_cast<uint64_t>(pixels.y) * choice.entry->bytes_per_pixel;
+    const uint64_t fixed = program_bytes + scene + film + points + techniques;
     if (fixed >= limit)
         throw UserError(fmt::format(
-            "--memory {} is not enough: the program takes {}, the scene {}, the film {}{} (fewer --layers or "
+            "--memory {} is not enough: the program takes {}, the scene {}, the film {}{}{} (fewer --layers or "
             "a smaller --resolution take less)",
             size(limit), size(program_bytes), size(scene), size(film),
+            points > 0 ? fmt::format(", the pixels' points of {} {}", choice.entry->name, size(points)) : "",
             techniques > 0 ? fmt::format(", the layers of --techniques {}", size(techniques)) : ""));
     const auto has = [](const SettingInfo& info) { return info.name == "memory"; };
     if (std::any_of(choice.entry->settings.begin(), choice.entry->settings.end(), has) &&

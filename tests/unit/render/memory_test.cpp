@@ -55,6 +55,15 @@ TEST_F(Memory, WhatIsLeftGoesToTheIntegrator)
     EXPECT_EQ(choice_.settings.integer("memory"), 7) << "the user's own value stays";
 }
 
+TEST_F(Memory, CountsWhatAPassKeepsForEachPixel)
+{
+    entry_.bytes_per_pixel = 10;
+    check_memory(program_bytes + 100000, report_, film_, choice_);
+    EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500 - 100 * 10 * 10);
+    entry_.bytes_per_pixel = 40;
+    EXPECT_THROW(check_memory(program_bytes + 100000, report_, film_, choice_), UserError);
+}
+
 // 43 layers of three channels and a beauty in each of two films, 16 bytes each, and three quarters of one for writing.
 TEST_F(Memory, CountsTheRecordOfTechniques)
 {
