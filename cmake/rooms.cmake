@@ -17,8 +17,9 @@ function(dapple_room name)
   endforeach()
 endfunction()
 
-# Gives ctest a program of tests as a few processes (LABEL.NAME, or LABEL.N for the SHARDS of a ring): each process takes 0.3 s to
-# load the libraries of OpenImageIO, which for a thousand processes of one short test each would be half of all test time.
+# Gives ctest a program of tests as a few processes (LABEL.NAME, or LABEL.N for the SHARDS of a ring): each process takes
+# 0.3 s to load the libraries of OpenImageIO, which for a thousand processes of one short test each would be half of all
+# test time.
 # One test alone: build/release/bin/test_NAME --gtest_filter=PATTERN.
 function(dapple_gtest target)
   cmake_parse_arguments(TEST "" "LABEL;SHARDS;TIMEOUT;COST" "" ${ARGN})

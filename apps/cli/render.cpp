@@ -232,11 +232,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     settings.first_pass = options.first_pass;
     check_memory(options.memory.empty() ? 0 : parse_size("--memory", options.memory), compiled, settings, choice,
                  options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings));
-    if (world->has_scattering_media && !choice.entry->media)
-        log_warning(
-            "integrator '{}' does not handle scattering media, and this scene has some: their light is missing; "
-            "'path' and 'lightpath' have it",
-            choice.entry->name);
+    if (world->lights.list.empty()) log_warning("the scene has no lights: the image will be black");
     const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
     describe_passes(settings, *integrator);
     Film film(settings);
@@ -279,7 +275,7 @@ int render(const RenderOptions& options, const RenderStart& start)
 
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
-    if (view && result.film_whole) view->finish(film);
+    if (view && (result.film_whole || film.cut())) view->finish(film);
     if (techniques) techniques->write(options.techniques, result);
     return write_results(options, identity, film, result, outputs, checkpointer ? &*checkpointer : nullptr, requests,
                          *progress);

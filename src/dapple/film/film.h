@@ -120,6 +120,7 @@ public:
     // the image allows for that. For passes that add eye samples alone (add_pixel). From now on the film can only be
     // shown: neither continued, nor written, nor merged. Not for films with the error layer.
     void end_cut_pass() { cut_ = true; }
+    bool cut() const { return cut_; }
     // Part of the pixels that have an eye sample of the running (or cut) pass, in [0, 1].
     double reached_part() const
     {

@@ -261,10 +261,13 @@ void BidirectionalEyePath::join_light()
 void BidirectionalEyePath::join_all()
 {
     const LightSubpaths::Path path = subpaths_.path(path_);
-    for (const LightVertex& light : path.vertices) join(path, light);
+    // Apart from the numbers of the eye path, so that these stay as evenly spread as they are.
+    RandomStream chances = stream_of_trials(sample_.random, eye_.depth());
+    chances.skip(1u << 15);
+    for (const LightVertex& light : path.vertices) join(path, light, chances);
 }
 
-void BidirectionalEyePath::join(const LightSubpaths::Path& path, const LightVertex& light)
+void BidirectionalEyePath::join(const LightSubpaths::Path& path, const LightVertex& light, RandomStream& chances)
 {
     if (eye_.depth() + light.depth > plan_.max_depth) return;
     const Vertex& z = eye_.vertex();
@@ -290,9 +293,9 @@ void BidirectionalEyePath::join(const LightSubpaths::Path& path, const LightVert
     const Spectrum path_pdf = carried_.path_pdf * light.path_pdf;
     if (!record_) {
         const float worth = value.max() * static_cast<float>(weight) / path_pdf.average();
-        const float probability = worth / (worth_a_ray * found_);
+        const float probability = std::max(worth / (worth_a_ray * found_), 0x1p-20f);
         if (probability < 1.0f) {
-            if (!(sample_.random.next() < probability)) return;
+            if (!(chances.next() < probability)) return;
             value *= 1.0f / probability;
         }
     }

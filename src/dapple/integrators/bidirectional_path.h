@@ -50,7 +50,7 @@ private:
     void add_environment();
     void join_light();
     void join_all();
-    void join(const LightSubpaths::Path& path, const LightVertex& light);
+    void join(const LightSubpaths::Path& path, const LightVertex& light, RandomStream& chances);
     void merge();
 
     Carried carried_;         // to the current vertex, if it is no delta

@@ -13,8 +13,8 @@
 // falls as the caustic radius does. With four wavelength sets a record has an irradiance of each, from a quarter of its
 // rays, and a pixel takes all four in turn: no tint. Bias: that of photonmap, and of interpolation (second order in the
 // accuracy). Shapes that move gather: records would stay behind. On those that stay a record has the light of each
-// set's time. Cost: a record takes `cacherays` gather rays,
-// an eye path only its direct light and the look-up: of its one ray it asks nothing but whether a light is there.
+// set's time. Cost: a record takes `cacherays` gather rays, an eye path only its direct light and the look-up: of its
+// one ray it asks nothing but whether a light is there.
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
 

@@ -108,6 +108,7 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
         if (!plan_.stored) return;
         stored += traced.vertices.size();
         traced.vertices.shrink_to_fit();
+        traced.bsdfs.shrink_to_fit();
         chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
     });
     context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
@@ -173,7 +174,8 @@ void LightSubpaths::store(const LightArrival& arrival, Chunk& chunk)
     v.path_pdf = arrival.carried.path_pdf;
     v.position = vertex.at.position;
     v.wo = vertex.wo;
-    // Weights beyond the range of float mean that nothing is left for the technique at hand either way.
+    // Beyond the range of float nothing is left for the technique at hand either way (balance heuristic; the power
+    // heuristic gets there with distances of 1e9 m, where its weights may then sum to more than one).
     constexpr double most = 1e37;
     v.d_vcm = static_cast<float>(std::min(arrival.weights.d_vcm, most));
     v.d_vc = static_cast<float>(std::min(arrival.weights.d_vc, most));

@@ -203,12 +203,13 @@ void LightSubpaths::for_each_near(size_t set, const SurfaceRegion& region, float
 double emission_over_direct(const Light& light, const EmissionDensity& emission, float direct_pdf, float cosine_light,
                             float cosine_in, float distance2);
 
-// About what scattering at a vertex leaves, for roulette before it; never far below what can come.
+// About what scattering at a vertex leaves, for roulette before it; at least half of what can come where that grows
+// towards grazing directions.
 inline Spectrum expected_albedo(const Vertex& vertex)
 {
     if (!vertex.on_surface) return Spectrum(1.0f);
     Spectrum albedo = guide_albedo(vertex.bsdf, vertex.wo);
-    const float least = vertex.bsdf.kind == BsdfKind::diffuse ? 0.0f : 0.1f;
+    const float least = vertex.bsdf.kind == BsdfKind::diffuse ? 0.0f : 0.5f;
     for (float& lane : albedo.v) lane = std::max(lane, least);
     return albedo;
 }

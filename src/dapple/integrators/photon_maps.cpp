@@ -33,6 +33,13 @@ IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global,
 
 }  // namespace
 
+void refuse_media(const World& world, std::string_view integrator)
+{
+    if (world.has_scattering_media || world.has_emitting_media)
+        throw UserError(std::string(integrator) +
+                        " does not know media that scatter or emit yet; use vcm, bdpt, path or lightpath");
+}
+
 void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)
 {
     PhotonRequest request;
@@ -89,6 +96,7 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             request.stream = stream(0);
             request.paths = global_paths;
             std::vector<std::vector<Photon>> global = trace_photons(context.world, request);
+            if (context.cancelled()) return maps;
             caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
             if (plan.precompute_irradiance)
@@ -121,9 +129,7 @@ PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse 
       memory_(settings.integer_or("memory", 0)),
       moving_(MovingShapes(world).any())
 {
-    if (world.has_scattering_media || world.has_emitting_media)
-        throw UserError(std::string(integrator) +
-                        " does not know media that scatter or emit yet; use path or lightpath");
+    refuse_media(world, integrator);
 }
 
 PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) const
@@ -153,7 +159,7 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
 std::vector<std::string> PhotonEpochs::report() const
 {
     if (!moving_) return {};
-    return {"shapes move: each wavelength set of an epoch has one time, each pixel a new one in every pass"};
+    return {"shapes move: each wavelength set of an epoch has one time, pixels go from set to set"};
 }
 
 double PhotonEpochs::bias_scale(uint32_t pass) const { return progressive_shrinkage(int64_t(index(pass)) + 1); }

@@ -4,9 +4,9 @@
 //
 // Where shapes move, all paths of a set have one time, eye paths of the pixels that use it included, and surfaces are
 // looked at when the photons were there: a set is a still picture, and the sets of all epochs average to the moving
-// one. An epoch then has at least as many sets as passes, so that a pixel never sees a time twice: over n passes it
-// sees n times, as a path tracer's would, though all pixels the same ones. As each set has photons of its own, the
-// automatic number of light paths grows with the sets.
+// one. An epoch then has at least as many sets as passes, so that a pixel hardly sees a time twice: over n passes it
+// sees about n times, as a path tracer's would, though all pixels the same ones. As each set has photons of its own,
+// the automatic number of light paths grows with the sets.
 #pragma once
 
 #include "dapple/density/irradiance_map.h"
@@ -26,7 +26,8 @@ namespace dapple {
 // Rows for the tables of integrators that use photon maps.
 namespace photon_setting {
 inline constexpr SettingInfo photons{"photons", "light paths", "auto", "> 0",
-                                     "light paths per epoch; auto: one per pixel of the full image, 100k to 1M"};
+                                     "light paths per epoch; auto: one per pixel of the full image, 100k to 1M, "
+                                     "and more where shapes move"};
 inline constexpr SettingInfo caustic_photons{
     "causticphotons", "light paths", "auto", ">= 0",
     "further light paths per epoch for the caustic map alone; auto: as many as photons"};
@@ -112,6 +113,9 @@ private:
     const bool light_groups_;
     std::array<Spectrum, path_class_count> sums_{};
 };
+
+// Throws UserError where the world has media that photon maps do not know; `integrator` is named there.
+void refuse_media(const World& world, std::string_view integrator);
 
 // Lowers the numbers of paths until the maps of an epoch, and what building them takes, fit into `bytes`. Photons per
 // path are counted on a pilot of a few thousand paths, the same for every epoch.

@@ -60,11 +60,12 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
     const Int2 tiles((size.x + tile - 1) / tile, (size.y + tile - 1) / tile);
     const int groups = static_cast<int>(settings.light_groups.size());
     parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) {
-        if (context.cancelled()) return;
         PixelSample sums(groups);
+        uint64_t traced = 0;
         const Int2 corner = settings.crop_min + Int2(int(index % tiles.x) * tile, int(index / tiles.x) * tile);
         for (int y = corner.y; y < std::min(corner.y + tile, settings.crop_max.y); ++y)
             for (int x = corner.x; x < std::min(corner.x + tile, settings.crop_max.x); ++x) {
+                if (context.cancelled()) break;
                 const Int2 pixel(x, y);
                 film.prefetch_pixel(pixel);
                 RandomStream random = pixel_stream(context.seed, pixel, context.pass);
@@ -79,9 +80,10 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
                                  random,        settings.guides_in_camera_space};
                 trace(sample);
                 film.add_pixel(pixel, sums, 1);
+                ++traced;
             }
+        context.statistics.eye_paths += traced;
     });
-    context.statistics.eye_paths += uint64_t(size.x) * uint64_t(size.y);
 }
 
 // Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no

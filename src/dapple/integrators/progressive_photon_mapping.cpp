@@ -53,7 +53,9 @@ public:
                 PhotonRequest photons = set.photons;
                 photons.paths = std::max<int64_t>(1, photons.paths / static_cast<int64_t>(parts));
                 if (part > 0) photons.stream = hash_words(photons.stream, part);
-                maps.emplace_back(trace_photons(context.world, photons), static_cast<uint64_t>(photons.paths));
+                std::vector<std::vector<Photon>> traced = trace_photons(context.world, photons);
+                if (context.cancelled()) return;
+                maps.emplace_back(std::move(traced), static_cast<uint64_t>(photons.paths));
                 context.statistics.light_paths += static_cast<uint64_t>(photons.paths);
                 context.statistics.photons_stored += maps.back().size();
             }

@@ -6,8 +6,7 @@
 //     the schedule (schedule.h) for this one estimate. The radius of a pass has bounds, 1/4 and 1 of the schedule's, so
 //     what the schedule proves (errors fade) still holds.
 //   - A radius chosen by the very photons that are added up afterwards would pick out chance gaps and clusters. Here
-//   the
-//     photons tested are others than those of the estimate: of the other wavelength sets, or, if there is but one,
+//     the photons tested are others than those of the estimate: of the other wavelength sets, or, if there is but one,
 //     of the other half of the light paths. So the choice adds no bias.
 //   - In place of counts in cells, the statistic is that of a smooth test (Neyman 1937), sum_k S_k^2 / sum_p w_p^2 with
 //     S_k = sum_p w_p phi_k(x_p, y_p), for the five polynomials phi of degree 1 and 2 that are orthonormal on the disc
@@ -17,6 +16,7 @@
 //     few each. The weights w are the photons' flux, so that many dim photons do not drown an edge in the light of few
 //     bright ones.
 // Edges of surfaces look uneven too: there a lower radius is not needed (surface_coverage.h), and costs noise.
+// Where shapes move, the other sets have other times: the test then looks at other places of a shadow, and serves less.
 // Cost: a query of the other maps for each estimate.
 #pragma once
 

@@ -12,16 +12,27 @@ constexpr float golden_angle = 2.39996323f;
 constexpr int most_trials = 32;
 constexpr int looks_around = 3;
 
-// The nearest surface that is no mere boundary of media.
+// Whether light goes straight on, or bent, and no photon is stored: boundaries of media and smooth glass.
+bool lets_light_through(const World& world, uint32_t geometry, const SurfacePoint& point)
+{
+    const MaterialId material = resolve_mix(world.materials, world.geometries[geometry].material, point);
+    switch (world.materials.list[material.value].kind) {
+        case Material::Kind::interface: return true;
+        case Material::Kind::dielectric:
+        case Material::Kind::thin_dielectric:
+            return make_bsdf(world.materials, world.spectra, material, point, Wavelengths::rgb(), 0).is_delta();
+        default: return false;
+    }
+}
+
+// The nearest surface that does not let light through.
 bool meet_surface(const World& world, Ray ray, float t_max, SurfacePoint& point)
 {
-    for (int crossed = 0; crossed < 4; ++crossed) {
+    for (int crossed = 0; crossed < 8; ++crossed) {
         Hit hit;
         if (!world.intersect(ray, t_max, hit)) return false;
         point = world.surface_point(ray, hit);
-        if (!world.has_interfaces) return true;
-        const MaterialId material = resolve_mix(world.materials, world.geometries[hit.geometry].material, point);
-        if (world.materials.list[material.value].kind != Material::Kind::interface) return true;
+        if (!lets_light_through(world, hit.geometry, point)) return true;
         t_max -= hit.t;
         ray.origin = offset_ray_origin(point.position, point.error, point.n_geometric, ray.direction);
     }

@@ -50,9 +50,10 @@ SurfaceCoverage surface_coverage(const World& world, const SurfaceRegion& region
 
 // How an estimate is to allow for what of its disc is empty or hidden, by chance.
 struct SampledCoverage {
-    float inverse =
-        1.0f;  // with the mean 1 / share, at least 1; at most 32, which is low where the share is below 1/10
-    bool obstructed = false;  // photons count only if sees_along_surface()
+    // At least 1, with the mean 1 / share; at most 32, which is too low on average where the share is below 1/10.
+    float inverse = 1.0f;
+    // Photons count only if sees_along_surface().
+    bool obstructed = false;
 };
 // Whole where the disc is too small or too large for rays.
 SampledCoverage sample_coverage(const World& world, const SurfaceRegion& region, float radius, KernelKind kernel,

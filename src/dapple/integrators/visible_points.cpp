@@ -26,13 +26,10 @@ VisiblePointSettings::VisiblePointSettings(const World& world, const Settings& s
       kernel_(kernel_named(settings.word("kernel"))),
       wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
       max_depth_(static_cast<int>(settings.integer("maxdepth"))),
-      moving_(std::any_of(world.instances.begin(), world.instances.end(),
-                          [](const GroupInstance& instance) { return instance.world_from_group.moves(); }))
+      moving_(MovingShapes(world).any())
 {
     if (alpha_ > 1.0) throw UserError("setting 'alpha' must not be above 1: radii would grow");
-    if (world.has_scattering_media || world.has_emitting_media)
-        throw UserError(
-            fmt::format("{} does not know media that scatter or emit yet; use path or lightpath", integrator));
+    refuse_media(world, integrator);
 }
 
 int64_t VisiblePointSettings::paths(Int2 resolution, ColorModel model) const
@@ -69,8 +66,9 @@ std::vector<std::string> VisiblePointSettings::describe(const World& world) cons
         lines.push_back(fmt::format("radius {:.3g} m in the first pass, as given", fixed_radius_));
     else
         lines.push_back(fmt::format(
-            "radius of {:.3g} pixel footprints in the first pass: {:.3g} m at a distance of "
-            "{:.3g} m, half the size of the scene",
+            "radius of {:.3g} pixel footprints in the first pass: {:.3g} scene units where the eye path is {:.3g} long "
+            "(half "
+            "the scene's size)",
             radius_pixels_, first_radius(world.camera, 0.5f * scene_size(world)), 0.5f * scene_size(world)));
     lines.push_back(fmt::format("squared radii fall as pass^({:.3g} - 1), {} kernel", alpha_,
                                 kernel_names[static_cast<size_t>(kernel_)]));

@@ -13,9 +13,8 @@
 //   first request (Ctrl-C)   the running pass is finished, the image of all passes is returned;
 //   second request           the running pass is cancelled: what there is of it is kept, or the latest copy is
 //                            returned, and what it lacks is said;
-//   time limit               a pass that may be cut is cut there; another one is cancelled when it goes on for more
-//   than
-//                            4 % beyond it: the copy made before it has everything;
+//   time limit               a pass that may be cut is cut there; any other is cancelled when 4 % beyond it: the copy
+//                            made before it has everything;
 //   an error in a pass       as the second request, with `failed` set.
 // The first pass is not cut for time. If it is cancelled, the image is that of its part: pixels not reached are black,
 // light that was splatted is a part of the whole, and `incomplete` is set for the header of the file and for the
