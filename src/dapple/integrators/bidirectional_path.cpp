@@ -1,7 +1,6 @@
 #include "dapple/integrators/bidirectional_path.h"
 
 #include "dapple/cameras/raster_copies.h"
-#include "dapple/materials/both_ways.h"
 
 namespace dapple {
 namespace {
@@ -173,7 +172,7 @@ bool BidirectionalEyePath::arrive()
             rules_, importance_at(world_.camera, vertex.at.position, vertex.distance, start_.time), cosine_in);
     else
         weights_ = advance(rules_, weights_, step(eye_.depth() - 1), sqr(double(vertex.distance)), cosine_in);
-    radius_ = plan_.merging && vertex.on_surface && !vertex.is_delta() ? subpaths_.radius_at(vertex.at.position) : 0.0f;
+    radius_ = subpaths_.radius_at(vertex);
     eta_ = subpaths_.eta(set_, radius_);
     return true;
 }
@@ -283,8 +282,7 @@ void BidirectionalEyePath::join(const LightSubpaths::Path& path, const LightVert
     Spectrum value = carried_.throughput * at_eye.value * at_light.value * light.throughput * (1.0f / distance2);
     if (value.is_black()) return;
 
-    const float cosine_light = light.on_surface() ? abs_dot(light.n_geometric, w) : 1.0f;
-    const double to_light = double(at_eye.pdf) * cosine_light / distance2;
+    const double to_light = double(at_eye.pdf) * geometric_cosine(light, w) / distance2;
     const double to_eye = double(at_light.pdf) * geometric_cosine(z, w) / distance2;
     const double others =
         side_sum(rules_, light.weights(), to_light, at_light.back, light.eta, dapple::joins_before(rules_, light)) +

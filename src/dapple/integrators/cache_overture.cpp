@@ -93,8 +93,7 @@ private:
         RandomStream random = stream(pixel, 0);
         const Vec2 u = random.next_2d();
         const PhotonMapSet& maps = epoch_.maps[random.next_index(static_cast<uint32_t>(epoch_.maps.size()))];
-        PathStart start = path_start(maps.wavelengths, random.next_2d());
-        start.time = maps.time.value_or(start.time);
+        const PathStart start = path_start(maps.wavelengths, random.next_2d(), maps.time);
         Walk eye = start_at_camera(world_, Vec2(pixel.x + u.x, pixel.y + u.y), start, random);
         float distance = 0.0f;
         while (const Vertex* vertex = eye.next(world_, random)) {

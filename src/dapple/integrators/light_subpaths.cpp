@@ -156,9 +156,8 @@ void LightSubpaths::trace(const World& world, int64_t path, Arrive&& arrive) con
                                    walk.depth() == 2 ? plan_.rules.direct : plan_.rules.inner};
             weights = advance(plan_.rules, weights, step, sqr(double(vertex->distance)), cosine_in);
         }
-        const bool delta = vertex->is_delta();
-        eta_here = delta || !vertex->on_surface ? 0.0 : eta(set, plan_.radius.at(vertex->at.position));
-        if (!delta)
+        eta_here = eta(set, radius_at(*vertex));
+        if (!vertex->is_delta())
             arrive(LightArrival{*vertex, walk.carried(), weights, eta_here, walk.events(), walk.light_group,
                                 walk.depth()});
         if (walk.depth() >= plan_.max_depth || !walk.survive_roulette(random, expected_albedo(*vertex))) return;

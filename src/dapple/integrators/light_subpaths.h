@@ -122,15 +122,16 @@ public:
         return {{chunk.vertices.data() + begin, chunk.end[local] - begin}, chunk.bsdfs.data()};
     }
 
-    // Of merging [m].
-    float radius_at(const Vec3& position) const { return plan_.radius.at(position); }
+    // Of merging at a vertex [m]; 0 where nothing is merged.
+    float radius_at(const Vertex& vertex) const
+    {
+        return plan_.merging && vertex.on_surface && !vertex.is_delta() ? plan_.radius.at(vertex.at.position) : 0.0f;
+    }
     // Expected number of light vertices of a set's wavelengths that meet a disc of the radius, per unit of their
     // density per path: pi r^2 N; 0 where nothing is merged.
     double eta(size_t set, float radius) const
     {
-        return plan_.merging && plan_.merges_everywhere
-                   ? pi * double(radius) * radius * static_cast<double>(paths_in_set(set))
-                   : 0.0;
+        return plan_.merges_everywhere ? pi * double(radius) * radius * static_cast<double>(paths_in_set(set)) : 0.0;
     }
     // Light paths that share the set's wavelengths.
     int64_t paths_in_set(size_t set) const { return maps_.empty() ? 1 : maps_[set].paths; }
@@ -218,6 +219,10 @@ inline Spectrum expected_albedo(const Vertex& vertex)
 inline float geometric_cosine(const Vertex& vertex, const Vec3& w)
 {
     return vertex.on_surface ? abs_dot(vertex.at.n_geometric, w) : 1.0f;
+}
+inline float geometric_cosine(const LightVertex& vertex, const Vec3& w)
+{
+    return vertex.on_surface() ? abs_dot(vertex.n_geometric, w) : 1.0f;
 }
 
 }  // namespace dapple

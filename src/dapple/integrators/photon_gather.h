@@ -239,13 +239,14 @@ template <class Sink>
 void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map)
 {
     const Vertex& vertex = walk.vertex();
+    const PathEvents met = events(walk);
     PhotonLight light(sink_, walk.arriving() * share_, light_groups_);
     for (const auto& [slot, weight] : finder_.found()) {
         const Vec3 wi = map.direction(slot);
         const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
         if (f.is_black()) continue;
         light.add(f * map.flux(slot) * (weight * shading_per_area(vertex.bsdf, wi)),
-                  class_with_photon(events(walk), map.path_class(slot)), LightGroup(map.light_group(slot)));
+                  class_with_photon(met, map.path_class(slot)), LightGroup(map.light_group(slot)));
     }
     light.hand_over();
 }
@@ -281,8 +282,7 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
 template <class Sink, class Look>
 void follow_eye(const World& world, EyeSample& sample, int max_depth, PhotonGather<Sink>& gather, const Look& look)
 {
-    PathStart start = path_start(sample.wavelengths, sample.random.next_2d());
-    start.time = gather.time().value_or(start.time);
+    const PathStart start = path_start(sample.wavelengths, sample.random.next_2d(), gather.time());
     Walk eye = start_at_camera(world, sample.raster, start, sample.random);
     GuideRecorder guides(world, sample);
     float distance = 0.0f;

@@ -7,8 +7,9 @@
 // dropped, each by a ray of its own.
 //
 // Cost: 32 short rays where the disc is whole, 96 where it is not. Bias: the share has a relative error of about 2 % at
-// a straight edge, which the quotient turns into some 1e-3 of brightening there; mirrors and glass that lie in the
-// plane of a matte surface count as covered. Objects that move are looked at where they are at one time.
+// a straight edge, which the quotient turns into some 1e-3 of brightening there; mirrors that lie in the plane of
+// a matte surface count as covered; smooth glass neither covers nor hides. Objects that move are looked at where they
+// are at one time.
 //
 // For estimates of which there are many (one per pixel and pass), the same by chance, for four rays where the disc is
 // whole. Points of the disc are drawn with the density of the kernel until one lies on the surface; their number N has

@@ -66,9 +66,8 @@ std::vector<std::string> VisiblePointSettings::describe(const World& world) cons
         lines.push_back(fmt::format("radius {:.3g} m in the first pass, as given", fixed_radius_));
     else
         lines.push_back(fmt::format(
-            "radius of {:.3g} pixel footprints in the first pass: {:.3g} scene units where the eye path is {:.3g} long "
-            "(half "
-            "the scene's size)",
+            "radius of {:.3g} pixel footprints in the first pass: {:.3g} scene units where the eye path is {:.3g} "
+            "long (half the scene's size)",
             radius_pixels_, first_radius(world.camera, 0.5f * scene_size(world)), 0.5f * scene_size(world)));
     lines.push_back(fmt::format("squared radii fall as pass^({:.3g} - 1), {} kernel", alpha_,
                                 kernel_names[static_cast<size_t>(kernel_)]));

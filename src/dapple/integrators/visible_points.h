@@ -113,8 +113,7 @@ void trace_visible_points(const World& world, EyeSample& sample, const std::opti
                           const Visit& visit)
 {
     RandomStream& random = sample.random;
-    PathStart start = path_start(sample.wavelengths, random.next_2d());
-    if (time) start.time = *time;
+    const PathStart start = path_start(sample.wavelengths, random.next_2d(), time);
     Walk eye = start_at_camera(world, sample.raster, start, random);
     GuideRecorder guides(world, sample);
     float distance = 0.0f;

@@ -6,7 +6,6 @@
 
 #include "dapple/materials/bsdf.h"
 
-#include "dapple/materials/both_ways.h"
 #include "dapple/materials/layered.h"
 
 namespace dapple {

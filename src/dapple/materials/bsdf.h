@@ -84,6 +84,14 @@ struct BsdfValue {
 };
 BsdfValue evaluate_with_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
 
+// And the density of the way back: what bidirectional methods ask of each pair of directions. All 0 where f is black.
+struct BsdfBothWays {
+    Spectrum f;
+    float pdf = 0.0f;          // of wi given wo
+    float pdf_reverse = 0.0f;  // of wo given wi
+};
+BsdfBothWays evaluate_both_ways(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode);
+
 // Samples wi given wo from u_lobe and u in [0,1). False when the light is absorbed.
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u, TransportMode mode, BsdfSample& sample);
 

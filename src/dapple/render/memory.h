@@ -20,7 +20,8 @@ uint64_t film_bytes(const FilmSettings& settings);
 uint64_t scene_bytes(const CompileReport& report);
 
 // Holds a render to a limit [bytes]; 0: none. Throws UserError, with the parts, if program, scene, film (with a copy of
-// the image, a quarter of it) and the record of techniques (TechniqueRecord::bytes; 0: none) alone exceed it.
+// the image, a quarter of it), what a pass keeps for each pixel and the record of techniques (TechniqueRecord::bytes;
+// 0: none) alone exceed it.
 // Otherwise what they leave goes to the integrator's setting "memory" if it has one that is still "auto".
 void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice,
                   uint64_t techniques = 0);

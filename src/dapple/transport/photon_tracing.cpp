@@ -11,8 +11,7 @@ constexpr int64_t chunk_paths = 4096;
 bool start_path(const World& world, const PhotonRequest& request, RandomStream& random, Walk& walk, bool& delta_light)
 {
     Departure departure;
-    PathStart start = path_start(request.wavelengths, random.next_2d());
-    if (request.time) start.time = *request.time;
+    const PathStart start = path_start(request.wavelengths, random.next_2d(), request.time);
     if (!emit(world, start, random, walk, departure)) return false;
     delta_light = !can_be_met(world.lights.list[departure.light.value]);
     return true;

@@ -23,6 +23,8 @@
 #include "dapple/sampling/random_stream.h"
 #include "dapple/world/world.h"
 
+#include <optional>
+
 namespace dapple {
 
 // Where a walk meets a surface or is scattered by a medium.
@@ -140,10 +142,10 @@ private:
     TransportMode mode_ = TransportMode::radiance;
 };
 
-// Time and deciding lane drawn from u.
-inline PathStart path_start(const Wavelengths& wavelengths, const Vec2& u)
+// Time, unless it is given, and deciding lane drawn from u.
+inline PathStart path_start(const Wavelengths& wavelengths, const Vec2& u, const std::optional<float>& time = {})
 {
-    return {wavelengths, u.x, std::min(static_cast<int>(u.y * Spectrum::lanes), Spectrum::lanes - 1)};
+    return {wavelengths, time.value_or(u.x), std::min(static_cast<int>(u.y * Spectrum::lanes), Spectrum::lanes - 1)};
 }
 
 // The walk of an eye path through a raster position; without a start its time and lane are drawn.

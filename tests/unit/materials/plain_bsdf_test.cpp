@@ -1,5 +1,4 @@
 // Samplers, densities and values of the families without layers.
-#include "dapple/materials/both_ways.h"
 #include "dapple/sampling/warps.h"
 
 #include "scatter_testing.h"
