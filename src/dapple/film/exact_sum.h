@@ -2,10 +2,9 @@
 // and then added as integers, which is associative. Thread count, pass order and merge order therefore leave no trace.
 // Resolution 2^-60 = 8.7e-19, range of a sum +-2^67 = 1.5e20. A term may be as large as 2^44 = 1.8e13, so that more
 // than eight million of the largest terms fit. Terms outside of that, and terms that are not finite, are refused, never
-// clamped: the caller counts them. Cost of an atomic addition: one or two locked additions.
+// clamped: the caller counts them.
 #pragma once
 
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 
@@ -29,7 +28,7 @@ inline Fixed128 to_fixed(double term)
 
 inline double from_fixed(Fixed128 sum) { return static_cast<double>(sum) * exact_sum_unit; }
 
-// A sum with a single writer.
+// A sum that checks its terms.
 class ExactSum {
 public:
     // Adds a term and returns true; returns false and adds nothing if the term is refused.
@@ -45,31 +44,6 @@ public:
 
 private:
     Fixed128 sum_ = 0;
-};
-
-// A sum with many writers, as two words that are zero for the sum 0: memory of zero bytes is a valid array of these.
-// Reading is meant for when no one writes.
-struct AtomicExactSum {
-    uint64_t low;
-    uint64_t high;
-
-    void add(Fixed128 term)
-    {
-        const uint64_t term_low = static_cast<uint64_t>(term);
-        const uint64_t old_low = std::atomic_ref<uint64_t>(low).fetch_add(term_low, std::memory_order_relaxed);
-        const uint64_t carry = old_low + term_low < old_low ? 1u : 0u;
-        // Small terms rarely reach the upper word: a carry out of the lower cancels the sign of a negative term.
-        const uint64_t term_high = static_cast<uint64_t>(static_cast<unsigned __int128>(term) >> 64) + carry;
-        if (term_high != 0) std::atomic_ref<uint64_t>(high).fetch_add(term_high, std::memory_order_relaxed);
-    }
-    // The same where no other thread may write: without locked instructions.
-    void add_alone(Fixed128 term)
-    {
-        const auto sum = static_cast<unsigned __int128>(fixed()) + static_cast<unsigned __int128>(term);
-        low = static_cast<uint64_t>(sum);
-        high = static_cast<uint64_t>(sum >> 64);
-    }
-    Fixed128 fixed() const { return static_cast<Fixed128>((static_cast<unsigned __int128>(high) << 64) | low); }
 };
 
 }  // namespace dapple

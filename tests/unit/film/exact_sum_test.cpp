@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <random>
-#include <thread>
 #include <vector>
 
 namespace dapple {
@@ -83,52 +82,6 @@ TEST(ExactSum, ManyLargeTermsDoNotWrap)
     ExactSum sum;
     for (int i = 0; i < 1 << 20; ++i) sum.add(-0x1p44);
     EXPECT_EQ(sum.value(), -0x1p64);
-}
-
-TEST(AtomicExactSum, ThreadsLeaveNoTrace)
-{
-    const std::vector<float> terms = random_terms(60000);
-    ExactSum expected;
-    for (const float term : terms) expected.add(term);
-    for (const int threads : {1, 2, 7}) {
-        AtomicExactSum sum{0, 0};
-        std::vector<std::thread> pool;
-        for (int t = 0; t < threads; ++t)
-            pool.emplace_back([&, t] {
-                for (size_t i = t; i < terms.size(); i += threads) sum.add(to_fixed(terms[i]));
-            });
-        for (std::thread& thread : pool) thread.join();
-        EXPECT_TRUE(sum.fixed() == expected.fixed()) << threads;
-    }
-}
-
-// Signs and carries between the two words.
-TEST(AtomicExactSum, CarriesBetweenWords)
-{
-    const Fixed128 one = 1;
-    const Fixed128 cases[] = {-one, one, (one << 64) - 1, one << 64, -(one << 64), (one << 100) + 5, -(one << 63)};
-    for (const Fixed128 a : cases)
-        for (const Fixed128 b : cases) {
-            AtomicExactSum sum{0, 0};
-            sum.add(a);
-            sum.add(b);
-            EXPECT_TRUE(sum.fixed() == a + b);
-            sum.add(-a);
-            sum.add(-b);
-            EXPECT_TRUE(sum.fixed() == 0);
-        }
-}
-
-TEST(ExactSum, AddingAloneIsAddingLocked)
-{
-    AtomicExactSum locked{0, 0}, alone{0, 0};
-    // Signs and sizes that carry between the two words both ways.
-    for (const double term : {0.5, -0.75, 15.0, -31.5, 1e12, -1e12, 3e-18, -5e-18, 16.75, 0x1p40, -0x1p43}) {
-        locked.add(to_fixed(term));
-        alone.add_alone(to_fixed(term));
-        EXPECT_EQ(locked.low, alone.low);
-        EXPECT_EQ(locked.high, alone.high);
-    }
 }
 
 }  // namespace

@@ -98,19 +98,20 @@ TEST(Film, ConstantSplatsGiveAConstantImage)
     for (const auto kind : {Filter::Kind::box, Filter::Kind::triangle, Filter::Kind::gaussian, Filter::Kind::mitchell,
                             Filter::Kind::sinc}) {
         FilmSettings settings = small_film();
+        settings.resolution = {41, 22};  // more than one tile of Film::Sums both ways
         settings.crop_min = {2, 1};
-        settings.crop_max = {11, 7};
+        settings.crop_max = {40, 21};
         settings.filter = Filter({kind, FilterShape::default_radius(kind)});
         Film film(settings);
         const int grid = 8, margin = 5;
-        for (int y = -margin * grid; y < (8 + margin) * grid; ++y)
-            for (int x = -margin * grid; x < (12 + margin) * grid; ++x)
+        for (int y = -margin * grid; y < (22 + margin) * grid; ++y)
+            for (int x = -margin * grid; x < (41 + margin) * grid; ++x)
                 film.splat({(x + 0.5f) / grid, (y + 0.5f) / grid}, Vec3(1, 2, 4) / float(grid * grid),
                            PathClass::indirect, LightGroup(0));
         film.end_pass();
         const Image image = film.beauty();
-        EXPECT_EQ(image.width, 9);
-        EXPECT_EQ(image.height, 6);
+        EXPECT_EQ(image.width, 38);
+        EXPECT_EQ(image.height, 20);
         for (int y = 0; y < image.height; ++y)
             for (int x = 0; x < image.width; ++x)
                 for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.at(x, y, c), 1 << c, 2e-3f * (1 << c)) << int(kind);
@@ -145,7 +146,7 @@ TEST(Film, SplatsAndSamplesAgree)
         EXPECT_NEAR(splats.beauty().at(2, 2, c), eyes.beauty().at(2, 2, c), 0.05f * eyes.beauty().at(2, 2, c)) << c;
 }
 
-// The share of one of several threads in contributions to a film of 12 x 8 pixels: every so-manieth splat, and the eye
+// The share of one of several threads in contributions to a film of 36 x 20 pixels: every so-manieth splat, and the eye
 // samples of every so-manieth pixel, since the film wants each pixel's from one thread.
 void contribute(Film& film, int begin, int end, int thread = 0, int threads = 1)
 {
@@ -155,10 +156,10 @@ void contribute(Film& film, int begin, int end, int thread = 0, int threads = 1)
         const Vec3 rgb(to_unit_float(c), std::exp2(20.0f * to_unit_float(b) - 10.0f), to_unit_float(a) - 0.3f);
         const PathClass path_class = static_cast<PathClass>(c % path_class_count);
         if (i % threads == thread)
-            film.splat({12.0f * to_unit_float(a), 8.0f * to_unit_float(b)}, rgb, path_class,
+            film.splat({36.0f * to_unit_float(a), 20.0f * to_unit_float(b)}, rgb, path_class,
                        LightGroup(uint32_t(a & 1)));
-        const Int2 pixel(int(a % 12), int(b % 8));
-        if ((pixel.x + 12 * pixel.y) % threads != thread) continue;
+        const Int2 pixel(int(a % 36), int(b % 20));
+        if ((pixel.x + 36 * pixel.y) % threads != thread) continue;
         sample.clear();
         sample.add(rgb, path_class, LightGroup(uint32_t(a & 1)));
         sample.guides.normal = rgb;
@@ -169,7 +170,7 @@ void contribute(Film& film, int begin, int end, int thread = 0, int threads = 1)
 // The same contributions by 1, 2 and 7 threads, and by 3 merged films one of which went through a file: the same bits.
 TEST(Film, ThreadsAndMergesLeaveNoTrace)
 {
-    FilmSettings settings = small_film();
+    FilmSettings settings = small_film(36, 20);
     settings.light_groups = {"", "lamp"};
     const int count = 4000;
     Film one(settings);
@@ -207,8 +208,8 @@ TEST(Film, ThreadsAndMergesLeaveNoTrace)
     // Classes and groups both sum to the beauty.
     const Image parts = layer(one, {"R", "emission.R", "direct.R", "caustic.R", "indirect.R", "volume.R",
                                     "lightgroup_default.R", "lightgroup_lamp.R"});
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 12; ++x) {
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 36; ++x) {
             float classes = 0.0f;
             for (int c = 1; c <= 5; ++c) classes += parts.at(x, y, c);
             EXPECT_NEAR(classes, parts.at(x, y, 0), 1e-5f * parts.at(x, y, 0));
