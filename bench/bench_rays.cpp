@@ -187,7 +187,7 @@ void measure(const std::string& name, const std::filesystem::path& file, int rou
     };
     if (!wanted("path") && !wanted("photons")) return;
     scene::Description description = read_pbrt(file);
-    set_resolution(description.film, "192x192");
+    set_resolution(description.film, Int2(192, 192));
     const std::unique_ptr<World> world = compile(description);
     if (wanted("path")) {
         const IntegratorEntry& entry = find_integrator("path");

@@ -3,6 +3,7 @@
 #include "dapple/base/error.h"
 #include "dapple/image/image_file.h"
 #include "dapple/image/metrics.h"
+#include "values.h"
 
 #include <fmt/format.h>
 
@@ -143,17 +144,15 @@ Command add_compare(CLI::App& app)
     Options& o = *options;
     parser->add_option("a", o.test, "the image to judge")->required();
     parser->add_option("b", o.reference, "the image to judge it by")->required();
-    parser->add_option("--clamp", o.clamp, "limit both images to this value first")->check(CLI::PositiveNumber);
+    add_number(*parser, "--clamp", o.clamp, "> 0", "limit both images to this value first");
     parser->add_option("--layer", o.layer, "compare this layer instead of the beauty, such as Albedo, Z or caustic");
     parser->add_option("--diff", o.difference, "write a picture of the signed difference");
-    parser->add_option("--diff-scale", o.difference_scale, "difference that gives full colour (default 0.1)")
-        ->check(CLI::PositiveNumber);
+    add_number(*parser, "--diff-scale", o.difference_scale, "> 0", "difference that gives full colour (default 0.1)");
     parser->add_flag("--flip", o.flip, "also the perceptual difference FLIP");
     parser->add_flag("--exact", o.exact, "exit status 1 unless all layers have the same bits");
-    parser->add_option("--mean-within", o.mean_limit, "exit status 1 unless each channel's mean is this near [percent]")
-        ->check(CLI::NonNegativeNumber);
-    parser->add_option("--relmse-within", o.relative_mse_limit, "exit status 1 unless relMSE is at most this")
-        ->check(CLI::NonNegativeNumber);
+    add_number(*parser, "--mean-within", o.mean_limit, ">= 0",
+               "exit status 1 unless each channel's mean is this near [percent]");
+    add_number(*parser, "--relmse-within", o.relative_mse_limit, ">= 0", "exit status 1 unless relMSE is at most this");
     return {parser, [options] { return compare(*options); }};
 }
 

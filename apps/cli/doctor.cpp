@@ -57,6 +57,9 @@ bool processor_suffices()
 Command add_doctor(CLI::App& app)
 {
     CLI::App* parser = app.add_subcommand("doctor", "check that everything works on this machine");
+    parser->footer(
+        "Examples:\n  dapple doctor                 every algorithm renders a scene whose answer is known\n"
+        "  dapple doctor > doctor.txt    for a report of an error");
     return {parser, [] { return doctor(); }};
 }
 

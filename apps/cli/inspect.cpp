@@ -8,6 +8,13 @@
 namespace dapple::cli {
 namespace {
 
+constexpr const char* examples =
+    R"(Film, camera, lights and their shares of the photons, memory, what is not supported, and which algorithm suits.
+
+Examples:
+  dapple inspect scene.pbrt
+  dapple inspect scene.pbrt -i photonmap          with what its photon maps take)";
+
 int inspect_scene(const std::string& path, const std::string& integrator)
 {
     set_log_level(LogLevel::silent);  // warnings are listed at the end
@@ -40,6 +47,7 @@ Command add_inspect(CLI::App& app)
     };
     const auto options = std::make_shared<Options>();
     CLI::App* parser = app.add_subcommand("inspect", "say what is in a scene, without rendering it");
+    parser->footer(examples);
     parser->add_option("scene", options->scene, "a pbrt-v4 scene file")->required();
     parser->add_option("-i,--integrator", options->integrator, "judge the scene for this algorithm");
     return {parser, [options] { return inspect_scene(options->scene, options->integrator); }};

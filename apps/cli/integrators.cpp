@@ -7,6 +7,10 @@
 namespace dapple::cli {
 namespace {
 
+constexpr const char* examples = R"(Examples:
+  dapple integrators                              all of them
+  dapple integrators sppm                         one, with its settings: what -D name=value takes)";
+
 void print_text(const IntegratorEntry& entry)
 {
     fmt::print("{}\n    {}\n    scattering media: {}; photon layers: {}\n", entry.name, entry.summary,
@@ -49,6 +53,7 @@ Command add_integrators(CLI::App& app)
     };
     const auto options = std::make_shared<Options>();
     CLI::App* parser = app.add_subcommand("integrators", "list the algorithms and their settings");
+    parser->footer(examples);
     parser->add_option("name", options->name, "only this one");
     parser->add_flag("--markdown", options->markdown, "as tables for the documentation");
     return {parser, [options] {

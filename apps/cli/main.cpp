@@ -2,6 +2,7 @@
 #include "build_info.h"
 #include "commands.h"
 #include "dapple/base/error.h"
+#include "values.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <string_view>
+#include <string>
 
 namespace dapple::cli {
 namespace {
@@ -30,9 +31,6 @@ constexpr const char* examples = R"(Examples:
 
 `dapple COMMAND --help` tells more of each. Ctrl-C once: the pass is finished and the image written.)";
 
-constexpr std::array<std::string_view, 7> command_names = {"render",  "resume", "merge",      "inspect",
-                                                           "compare", "doctor", "integrators"};
-
 // One line, whatever the message holds.
 int report(const std::string& message, int status)
 {
@@ -41,16 +39,6 @@ int report(const std::string& message, int status)
     std::replace(line.begin(), line.end(), '\n', ' ');
     fmt::print(stderr, "dapple: error: {}\n", line);
     return status;
-}
-
-// CLI11 knows neither near words nor our exit status.
-int report_parse_error(const CLI::ParseError& error, int argc, char** argv)
-{
-    std::string message = error.what();
-    if (argc > 1 && argv[1][0] != '-' &&
-        std::find(command_names.begin(), command_names.end(), argv[1]) == command_names.end())
-        message = fmt::format("unknown command '{}'{}", argv[1], did_you_mean(argv[1], command_names));
-    return report(message + " (dapple --help shows how)", exit_bad_input);
 }
 
 std::string quoted(const std::string& argument)
@@ -83,7 +71,7 @@ int run(int argc, char** argv)
     } catch (const CLI::Success& success) {
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        return report_parse_error(error, argc, argv);
+        return report(explain(error, app), exit_bad_input);
     }
     for (const Command& command : commands)
         if (command.parser->parsed()) return command.run();

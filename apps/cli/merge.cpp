@@ -3,6 +3,7 @@
 #include "dapple/base/log.h"
 #include "dapple/render/checkpoint.h"
 #include "dapple/render/output.h"
+#include "values.h"
 
 #include <fmt/format.h>
 
@@ -81,8 +82,7 @@ Command add_merge(CLI::App& app)
         ->required()
         ->allow_extra_args(false);
     parser->add_flag("--half", options->half, "16-bit floats in .exr files");
-    parser->add_option("--exposure", options->exposure, "stops added in .png files")
-        ->check(CLI::Range(-100.0f, 100.0f));
+    add_number(*parser, "--exposure", options->exposure, "-100 to 100", "stops added in .png files");
     parser->add_flag("-q,--quiet", options->quiet, "print errors only");
     return {parser, [options] { return merge(*options); }};
 }

@@ -5,7 +5,6 @@
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
 #include "dapple/render/checkpointer.h"
-#include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
 #include "dapple/render/live_view.h"
 #include "dapple/render/memory.h"
@@ -68,7 +67,7 @@ StopRule stop_rule(const RenderOptions& options, const scene::Description& descr
 {
     StopRule rule;
     rule.passes = options.passes;
-    if (!options.time.empty()) rule.seconds = parse_duration("--time", options.time);
+    rule.seconds = options.seconds;
     rule.error = options.error;
     if (rule.passes == 0 && rule.seconds == 0 && rule.error == 0)
         rule.passes = static_cast<uint32_t>(std::max(1, description.sampler.pixel_samples));
@@ -87,17 +86,16 @@ void report_accidents(const Film& film)
 // What can be wrong without the scene is said before it is read.
 void check_options(const RenderOptions& options, const RenderStart& start)
 {
-    LayerChoice::parse(options.layers);
     if (!options.integrator.empty()) choose_integrator({}, options.integrator, split_definitions(options.definitions));
-    if (!options.time.empty()) parse_duration("--time", options.time);
-    if (!options.memory.empty()) parse_size("--memory", options.memory);
-    if (!options.checkpoint_every.empty()) parse_duration("--checkpoint-every", options.checkpoint_every);
     check_output_paths(options.outputs);
     if (!options.techniques.empty()) {
-        if (!options.techniques.ends_with(".exr")) throw UserError("--techniques writes an .exr file");
+        if (!options.techniques.ends_with(".exr"))
+            throw UserError("--techniques takes a file that ends in .exr, not '" + options.techniques + "'");
         check_output_paths({options.techniques});
     }
     if (options.checkpoint.empty() || options.checkpoint == "none" || !start.checkpoint.empty()) return;
+    if (!is_state_path(options.checkpoint))
+        throw UserError("--checkpoint takes a file that ends in .dapple, or none, not '" + options.checkpoint + "'");
     check_output_folder(options.checkpoint);
     if (std::filesystem::exists(options.checkpoint))
         throw UserError(
@@ -109,9 +107,9 @@ scene::Description read_changed_scene(const RenderOptions& options)
 {
     scene::Description description = read_scene(options.scene);
     for (const std::string& warning : description.warnings) log_warning("{}", warning);
-    if (!options.resolution.empty()) set_resolution(description.film, options.resolution);
+    if (options.resolution) set_resolution(description.film, *options.resolution);
     description.options.pbrt_coat_weights = options.pbrt_coats;
-    if (!options.crop.empty()) set_crop(description.film, options.crop);
+    if (options.crop) set_crop(description.film, *options.crop);
     return description;
 }
 
@@ -135,8 +133,7 @@ CheckpointPlan checkpoint_plan(const RenderOptions& options, const RenderStart& 
     plan.path = start.checkpoint.empty() ? options.checkpoint : start.checkpoint;
     plan.automatic = start.checkpoint.empty() ? options.checkpoint.empty() : start.header.automatic;
     if (plan.automatic) plan.first = plan.every = automatic_seconds;
-    if (!options.checkpoint_every.empty())
-        plan.first = plan.every = parse_duration("--checkpoint-every", options.checkpoint_every);
+    if (options.checkpoint_every > 0) plan.first = plan.every = options.checkpoint_every;
     // An earlier render's is not lost.
     for (int number = 1; plan.path.empty() || (start.checkpoint.empty() && std::filesystem::exists(plan.path));
          ++number) {
@@ -225,12 +222,12 @@ int render(const RenderOptions& options, const RenderStart& start)
 
     CompileReport compiled;
     const std::unique_ptr<World> world = compile(description, &compiled);
-    LayerChoice layers = LayerChoice::parse(options.layers);
+    LayerChoice layers = options.layers;
     layers.error = layers.error || options.error > 0;
     FilmSettings settings =
         film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
     settings.first_pass = options.first_pass;
-    check_memory(options.memory.empty() ? 0 : parse_size("--memory", options.memory), compiled, settings, choice,
+    check_memory(options.memory, compiled, settings, choice,
                  options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings));
     if (world->lights.list.empty()) log_warning("the scene has no lights: the image will be black");
     const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);

@@ -2,12 +2,14 @@
 #include "render_options.h"
 
 #include "dapple/base/error.h"
+#include "dapple/render/duration.h"
+#include "values.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <charconv>
 #include <filesystem>
-#include <map>
+#include <system_error>
 
 namespace dapple::cli {
 namespace {
@@ -38,6 +40,24 @@ Examples:
   dapple render scene.pbrt -o part.dapple --first-pass 32 --passes 32     the second of several machines
   dapple render scene.pbrt -o out.exr --display-server 127.0.0.1:14158    watch it in the viewer tev)";
 
+void add_duration(CLI::App& parser, const std::string& names, double& seconds, const std::string& help)
+{
+    add_value(parser, names, "TIME", help, [&seconds](const std::string& option, const std::string& text) {
+        seconds = parse_duration(option, text);
+    });
+}
+
+// All 64 bits, which a double could not hold.
+uint64_t parse_seed(const std::string& option, const std::string& text)
+{
+    uint64_t seed = 0;
+    const char* end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, seed);
+    if (read.ec != std::errc() || read.ptr != end)
+        throw UserError(fmt::format("{} takes a whole number of 0 or more (64 bits), not '{}'", option, text));
+    return seed;
+}
+
 std::string absolute(const std::string& path, const std::string& folder)
 {
     return path.empty() ? path : (std::filesystem::path(folder) / path).lexically_normal().string();
@@ -47,27 +67,24 @@ std::string absolute(const std::string& path, const std::string& folder)
 
 void add_stop_options(CLI::App& parser, RenderOptions& o)
 {
-    parser.add_option("-t,--time", o.time, "render time, such as 60s, 5m, 1h30m");
-    parser.add_option("-p,--passes,--spp", o.passes, "number of passes")->check(CLI::Range(1u, 1u << 30));
-    parser
-        .add_option("--error", o.error,
-                    "stop at this error, a part of the brightness: 0.02 (root of relMSE, estimated)")
-        ->check(CLI::Range(1e-6, 1.0));
+    add_duration(parser, "-t,--time", o.seconds, "render time, such as 60s, 5m, 1h30m");
+    add_number(parser, "-p,--passes,--spp", o.passes, "integer 1 to 1000000000", "number of passes");
+    add_number(parser, "--error", o.error, "0.000001 to 1",
+               "stop at this error, a part of the brightness: 0.02 (root of relMSE, estimated)");
 }
 
 void add_look_options(CLI::App& parser, RenderOptions& o)
 {
-    parser.add_option("--threads", o.threads, "threads (default: all cores); the image does not depend on it")
-        ->check(CLI::Range(1, 4096));
-    parser.add_option("--checkpoint-every", o.checkpoint_every, "time between checkpoints (default 60s)");
+    add_number(parser, "--threads", o.threads, "integer 1 to 4096",
+               "threads (default: all cores); the image does not depend on it");
+    add_duration(parser, "--checkpoint-every", o.checkpoint_every, "time between checkpoints (default 60s)");
     parser.add_option("--techniques", o.techniques,
                       "also write what each technique of bdpt or vcm brings, weighted and alone (.exr)");
     parser.add_option("--display-server", o.display_server, "HOST:PORT of the viewer tev, to watch the render");
     parser.add_flag("-q,--quiet", o.quiet, "print errors only");
-    const std::map<std::string, ProgressKind> kinds = {
-        {"bar", ProgressKind::bar}, {"json", ProgressKind::json}, {"none", ProgressKind::none}};
-    parser.add_option("--progress", o.progress, "bar (default, stderr), json (lines on stdout) or none")
-        ->transform(CLI::CheckedTransformer(kinds).description(""));
+    add_word(parser, "--progress", o.progress,
+             {{"bar", ProgressKind::bar}, {"json", ProgressKind::json}, {"none", ProgressKind::none}},
+             "bar (default, stderr), json (lines on stdout) or none");
 }
 
 void add_render_options(CLI::App& parser, RenderOptions& o)
@@ -80,19 +97,23 @@ void add_render_options(CLI::App& parser, RenderOptions& o)
     parser.add_option("-D", o.definitions, "a setting of the algorithm, name=value; may be repeated")
         ->allow_extra_args(false);
     add_stop_options(parser, o);
-    parser.add_option("--first-pass", o.first_pass, "begin with this pass, for dapple merge (default 0)")
-        ->check(CLI::Range(0u, 1u << 30));
-    parser.add_option("--seed", o.seed, "another seed gives other noise; the same seed the same bits");
-    parser.add_option("--memory", o.memory, "ceiling, such as 8G: photon maps keep to it; a scene above it is refused");
-    parser.add_option("--crop", o.crop, "x0,x1,y0,y1: parts of the image, or pixels if any is above 1");
-    parser.add_option("--resolution", o.resolution, "WIDTHxHEIGHT instead of the scene's");
-    const std::map<std::string, ColorModel> models = {{"spectral", ColorModel::spectral}, {"rgb", ColorModel::rgb}};
-    parser.add_option("--color-model", o.color_model, "spectral (default) or rgb (no colour noise, no dispersion)")
-        ->transform(CLI::CheckedTransformer(models).description(""));
-    parser.add_option("--layers", o.layers, "words of all,beauty,guides,classes,groups,photons,error (default all)");
+    add_number(parser, "--first-pass", o.first_pass, "integer 0 to 1000000000",
+               "begin with this pass, for dapple merge (default 0)");
+    add_value(parser, "--seed", "NUMBER", "another seed gives other noise; the same seed the same bits",
+              [&o](const std::string& option, const std::string& text) { o.seed = parse_seed(option, text); });
+    add_value(parser, "--memory", "SIZE", "ceiling, such as 8G: photon maps keep to it; a scene above it is refused",
+              [&o](const std::string& option, const std::string& text) { o.memory = parse_size(option, text); });
+    add_value(parser, "--crop", "X0,X1,Y0,Y1", "parts of the image, or pixels if any is above 1",
+              [&o](const std::string&, const std::string& text) { o.crop = parse_crop(text); });
+    add_value(parser, "--resolution", "WIDTHxHEIGHT", "instead of the scene's",
+              [&o](const std::string&, const std::string& text) { o.resolution = parse_resolution(text); });
+    add_word(parser, "--color-model", o.color_model, {{"spectral", ColorModel::spectral}, {"rgb", ColorModel::rgb}},
+             "spectral (default) or rgb (no colour noise, no dispersion)");
+    add_value(parser, "--layers", "WORDS", "words of all,beauty,guides,classes,groups,photons,error (default all)",
+              [&o](const std::string&, const std::string& text) { o.layers = LayerChoice::parse(text); });
     parser.add_flag("--pbrt-coats", o.pbrt_coats, "rough coats as bright as pbrt-v4's (up to a few percent more)");
     parser.add_flag("--half", o.half, "16-bit floats in .exr files");
-    parser.add_option("--exposure", o.exposure, "stops added in .png files")->check(CLI::Range(-100.0f, 100.0f));
+    add_number(parser, "--exposure", o.exposure, "-100 to 100", "stops added in .png files");
     parser.add_option("--checkpoint", o.checkpoint, "keep a checkpoint in this file, for dapple resume; or none");
     add_look_options(parser, o);
 }

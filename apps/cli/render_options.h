@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "dapple/render/checkpoint.h"
+#include "dapple/render/film_settings.h"
 #include "dapple/render/progress.h"
 
 #include <optional>
@@ -17,19 +18,19 @@ struct RenderOptions {
     std::vector<std::string> outputs;
     std::string integrator;
     std::vector<std::string> definitions;
-    std::string time;
+    double seconds = 0;  // 0: no limit
     uint32_t passes = 0;
     uint32_t first_pass = 0;
     double error = 0;
     std::optional<uint64_t> seed;
     int threads = 0;
-    std::string memory;
-    std::string crop;
-    std::string resolution;
+    uint64_t memory = 0;  // [bytes], 0: no ceiling
+    std::optional<CropEdges> crop;
+    std::optional<Int2> resolution;
     ColorModel color_model = ColorModel::spectral;
-    std::string layers = "all";
-    std::string checkpoint;  // empty: an automatic one; "none"
-    std::string checkpoint_every;
+    LayerChoice layers;
+    std::string checkpoint;       // empty: an automatic one; "none"
+    double checkpoint_every = 0;  // [s], 0: by itself
     std::string display_server;
     std::string techniques;  // file for the layers of each technique; empty: none
     bool half = false;

@@ -39,14 +39,14 @@ int resume(const std::string& file, const RenderOptions& changes)
     make_absolute(asked, std::filesystem::current_path().string());
     if (!asked.scene.empty()) options.scene = asked.scene;
     if (!asked.outputs.empty()) options.outputs = asked.outputs;
-    if (asked.passes > 0 || !asked.time.empty() || asked.error > 0) {
+    if (asked.passes > 0 || asked.seconds > 0 || asked.error > 0) {
         options.passes = asked.passes;
-        options.time = asked.time;
+        options.seconds = asked.seconds;
         options.error = asked.error;
     }
     options.first_pass = header.ranges.front().first;
     options.threads = asked.threads;
-    if (!asked.checkpoint_every.empty()) options.checkpoint_every = asked.checkpoint_every;
+    if (asked.checkpoint_every > 0) options.checkpoint_every = asked.checkpoint_every;
     if (options.checkpoint == "none") options.checkpoint.clear();
     options.display_server = asked.display_server;
     if (!options.techniques.empty()) {
@@ -57,7 +57,7 @@ int resume(const std::string& file, const RenderOptions& changes)
     options.progress = asked.progress;
     if (options.error > 0 && !header.film.error_layer)
         throw UserError(fmt::format("'{}' holds no error estimates: render with --error or --layers all,error", file));
-    if (header.film.error_layer) options.layers += ",error";
+    options.layers.error = options.layers.error || header.film.error_layer;
     return render(options, start);
 }
 

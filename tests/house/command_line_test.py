@@ -48,7 +48,7 @@ class CommandLine(unittest.TestCase):
         self.assertIn(saying, lines[0])
 
     def test_bad_input_is_one_line_and_status_2(self):
-        self.bad_input(saying="subcommand")
+        self.bad_input(saying="a command is missing: render, ")
         self.bad_input("rendr", SCENE, saying="did you mean 'render'")
         self.bad_input("render", saying="scene")
         self.bad_input("render", "missing.pbrt", saying="missing.pbrt")
@@ -77,9 +77,51 @@ class CommandLine(unittest.TestCase):
             result.result()
         self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_errors_say_what_is_allowed(self):
+        render = ("render", SCENE, "-o", "a.exr")
+        for arguments, line in (
+                ((*render, "--passes", "1.5"), "--passes takes a whole number from 1 to 1000000000, not '1.5'"),
+                ((*render, "--threads", "0"), "--threads takes a whole number from 1 to 4096, not '0'"),
+                ((*render, "--error", "abc"), "--error takes a number from 0.000001 to 1, not 'abc'"),
+                ((*render, "--seed", "-1"), "--seed takes a whole number of 0 or more (64 bits), not '-1'"),
+                ((*render, "--seed", "18446744073709551616"),
+                 "--seed takes a whole number of 0 or more (64 bits), not '18446744073709551616'"),
+                ((*render, "--time", ""), "--time takes a duration such as 60s, 5m or 1h30m, not ''"),
+                ((*render, "--memory", "8X"), "--memory takes a size such as 512M or 8G, not '8X'"),
+                ((*render, "--resolution", "65537x1"),
+                 "--resolution takes WIDTHxHEIGHT such as 640x480, each from 1 to 65536, not '65537x1'"),
+                ((*render, "--crop", "nonsense"),
+                 "--crop takes x0,x1,y0,y1 with x0 < x1 and y0 < y1, as parts of the image such as 0.25,0.75,0,1 or as "
+                 "pixels, not 'nonsense'"),
+                ((*render, "--color-model", "RGB"),
+                 "--color-model takes rgb or spectral, not 'RGB'; did you mean 'rgb'?"),
+                ((*render, "--layers", "caustics"),
+                 "--layers takes words of all,beauty,guides,classes,groups,photons,error, not 'caustics'; 'classes' has "
+                 "the layer 'caustic'"),
+                ((*render, "--checkpoint", "a.exr"),
+                 "--checkpoint takes a file that ends in .dapple, or none, not 'a.exr'"),
+                ((*render, "-i", "path", "-D", "radiustest=true"),
+                 "path has no setting 'radiustest'; it is a setting of sppm ('dapple integrators path' lists its own)"),
+                ((*render, "-i", "sppm", "-D", "fixedradius=0"),
+                 "setting 'fixedradius' takes a number above 0 or auto, not '0'"),
+                ((*render, "--passses", "4"),
+                 "dapple render has no option '--passses'; did you mean '--passes'? (dapple render --help shows how)"),
+                ((*render, "b.pbrt"),
+                 "'b.pbrt' is one argument too many for dapple render (dapple render --help shows how)"),
+                ((*render, "--passes"), "--passes takes a value: number of passes (dapple render --help shows how)"),
+                ((*render, "--passes", "1", "--passes", "2"),
+                 "--passes is given more than once (dapple render --help shows how)"),
+                ((*render, "--quiet=loud"), "--quiet takes no value (dapple render --help shows how)"),
+                (("compare", "a.exr", "b.exr", "--clamp", "-1"), "--clamp takes a number above 0, not '-1'"),
+                (("inspect",), "dapple inspect needs scene: a pbrt-v4 scene file (dapple inspect --help shows how)"),
+                (("rendr",), "unknown command 'rendr'; did you mean 'render'? (dapple --help shows how)"),
+                (("scene.pbrt",), "a command is missing: dapple render scene.pbrt")):
+            self.assertEqual(self.dapple(*arguments, status=2).stderr, f"dapple: error: {line}\n")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
     def test_help_teaches(self):
-        for arguments in ([], ["render"], ["compare"]):
-            self.assertIn("Examples:", self.dapple(*arguments, "--help").stdout)
+        for command in ((), "render", "resume", "merge", "inspect", "compare", "doctor", "integrators"):
+            self.assertIn("Examples:\n  dapple ", self.dapple(*([command] if command else []), "--help").stdout)
         self.assertRegex(self.dapple("--version").stdout, r"^dapple \d+\.\d+\.\d+ \(commit ")
 
     def test_scene_defaults(self):

@@ -18,7 +18,7 @@ TestScene::TestScene(scene::Description description, Int2 resolution)
     : description_(std::make_unique<scene::Description>(std::move(description)))
 {
     if (resolution.x > 0)
-        set_resolution(description_->film, std::to_string(resolution.x) + "x" + std::to_string(resolution.y));
+        set_resolution(description_->film, resolution);
     world_ = compile(*description_);
 }
 

@@ -58,7 +58,7 @@ constexpr SettingInfo vcm_settings[] = {
      "vcm: all; bpm: merging at every vertex and lights met; ppm: merging at the first vertex alone; bdpt: no merging; "
      "lightpath: the camera seen from light vertices"},
     {"radius", "pixels", "2", "> 0", "merging radius of the first pass, in pixel footprints"},
-    {"fixedradius", "m", "auto", "> 0", "merging radius of the first pass; auto: from the footprint"},
+    {"fixedradius", "scene units", "auto", "> 0", "merging radius of the first pass; auto: from the footprint"},
     {"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman", "kernel of merging"},
     {"wavelengthsets", "sets", "4", ">= 1", "sets of four wavelengths per pass (spectral colour model)"},
 };
@@ -132,7 +132,7 @@ public:
                                                (plan_.stores() ? ", 1M at most" : ""));
         if (plan_.merging)
             lines.push_back(fixed_radius_ > 0.0f
-                                ? fmt::format("merging radius {} m in the first pass", fixed_radius_)
+                                ? fmt::format("merging radius {} scene units in the first pass", fixed_radius_)
                                 : fmt::format("merging radius {} pixel footprints in the first pass", radius_pixels_));
         return lines;
     }

@@ -22,7 +22,7 @@ std::string GatherSettings::describe() const
 {
     return fmt::format(
         "caustic radius {} in the first epoch, {} nearest photons, {} kernel",
-        fixed_radius > 0.0f ? fmt::format("{} m", fixed_radius) : fmt::format("{} pixel footprints", radius_pixels),
+        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} pixel footprints", radius_pixels),
         nearest, kernel_names[static_cast<size_t>(kernel)]);
 }
 

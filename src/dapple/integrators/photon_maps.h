@@ -35,7 +35,8 @@ inline constexpr SettingInfo epoch{"epoch", "passes", "4", ">= 1", "passes that 
 inline constexpr SettingInfo radius{"radius", "pixels", "2.5", "> 0",
                                     "radius of the caustic estimate in the first epoch, in pixel footprints"};
 inline constexpr SettingInfo fixed_radius{
-    "fixedradius", "m", "auto", "> 0", "radius of the caustic estimate in the first epoch; auto: from the footprint"};
+    "fixedradius", "scene units", "auto", "> 0",
+    "radius of the caustic estimate in the first epoch; auto: from the footprint"};
 inline constexpr SettingInfo spread{
     "spread", "photons", "8", ">= 0",
     "caustic estimates with fewer photons widen, up to three times the radius; 0: never"};

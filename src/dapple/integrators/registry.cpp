@@ -26,7 +26,10 @@ const IntegratorEntry& find_integrator(std::string_view name)
         if (entry.name == name) return entry;
         names.push_back(entry.name);
     }
-    throw UserError("unknown integrator '" + std::string(name) + "'" + did_you_mean(name, names));
+    std::string hint = did_you_mean(name, names);
+    if (hint.empty())
+        for (const std::string_view known : names) hint.append(hint.empty() ? "; there are " : ", ").append(known);
+    throw UserError("unknown integrator '" + std::string(name) + "'" + hint);
 }
 
 }  // namespace dapple

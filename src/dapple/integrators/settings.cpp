@@ -1,5 +1,5 @@
-// Settings of integrators: values checked against the integrator's table when they are set, so that a mistake is
-// reported before the scene is loaded. Forms of SettingInfo::range:
+// Values checked against a range when they are set, so that a mistake is reported before the scene is loaded. Forms of
+// ranges:
 //   "true|false", "cone|constant|..."       one of the words
 //   "> 0", ">= 0 and < 1", "0 to 1"         a number within the bounds ("to" includes both)
 //   "integer", "integer >= 1", ...          the same, and whole
@@ -9,6 +9,7 @@
 
 #include "dapple/base/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -22,7 +23,7 @@ constexpr std::string_view integer_prefix = "integer";
 constexpr double largest_exact_integer = 9007199254740992.0;  // 2^53
 
 // The number a text stands for: 0.5, 1e6, 500k, 2M, 1G. Nothing else before or after it.
-std::optional<double> parse_number(const std::string& text)
+std::optional<double> read_number(const std::string& text)
 {
     if (text.empty() || std::isspace(static_cast<unsigned char>(text.front()))) return std::nullopt;
     char* end = nullptr;
@@ -63,7 +64,7 @@ bool within(std::string_view range, double value)
         if (token == "to") {
             in >> bound;
             if (value < *lower || value > bound) return false;
-        } else if (const std::optional<double> number = parse_number(token)) {
+        } else if (const std::optional<double> number = read_number(token)) {
             lower = number;
         } else {
             in >> bound;
@@ -77,27 +78,64 @@ bool within(std::string_view range, double value)
     return true;
 }
 
+// "integer >= 1 and < 9" as people say it: "a whole number of 1 or more and below 9".
+std::string in_words(std::string_view range)
+{
+    const bool whole = range.starts_with(integer_prefix);
+    std::string text = whole ? "a whole number" : "a number";
+    std::istringstream in{std::string(whole ? range.substr(integer_prefix.size()) : range)};
+    for (std::string token, bound; in >> token;) {
+        if (token == "and" || token == "to") {
+            text += " " + token;
+            if (token == "to" && in >> bound) text += " " + bound;
+        } else if (read_number(token)) {
+            text += " from " + token;
+        } else if (in >> bound) {
+            text += token == ">="   ? " of " + bound + " or more"
+                    : token == "<=" ? " of at most " + bound
+                    : token == ">"  ? " above " + bound
+                                    : " below " + bound;
+        }
+    }
+    return text;
+}
+
+bool is_list_of_words(std::string_view range) { return range.find('|') != std::string_view::npos; }
+
 // Throws UserError unless the value has the form that the setting's range asks for.
 void check_form(const SettingInfo& info, const std::string& value)
 {
-    if (value == "auto" && info.fallback == "auto") return;
-    if (info.range.empty()) return;
-    const std::string name(info.name);
-    if (info.range.find('|') != std::string_view::npos) {
-        const std::vector<std::string_view> words = split_words(info.range);
-        for (std::string_view word : words)
-            if (word == value) return;
-        throw UserError("setting '" + name + "' takes " + std::string(info.range) + ", not '" + value + "'" +
-                        did_you_mean(value, words));
-    }
-    const bool whole = info.range.starts_with(integer_prefix);
-    const std::string_view bounds = whole ? info.range.substr(integer_prefix.size()) : info.range;
-    const std::optional<double> number = parse_number(value);
-    if (!number || (whole && !is_whole(*number)) || !within(bounds, *number))
-        throw UserError("setting '" + name + "' takes a number (" + std::string(info.range) + "), not '" + value + "'");
+    const bool may_be_auto = info.fallback == "auto";
+    if (info.range.empty() || (may_be_auto && value == "auto")) return;
+    const std::string name = "setting '" + std::string(info.name) + "'";
+    if (is_list_of_words(info.range))
+        check_word(name, value, info.range);
+    else
+        parse_number(name, value, info.range, may_be_auto ? " or auto" : "");
 }
 
 }  // namespace
+
+double parse_number(const std::string& name, const std::string& text, std::string_view range,
+                    std::string_view alternative)
+{
+    const bool whole = range.starts_with(integer_prefix);
+    const std::string_view bounds = whole ? range.substr(integer_prefix.size()) : range;
+    const std::optional<double> number = read_number(text);
+    if (!number || (whole && !is_whole(*number)) || !within(bounds, *number))
+        throw UserError(name + " takes " + in_words(range) + std::string(alternative) + ", not '" + text + "'");
+    return *number;
+}
+
+void check_word(const std::string& name, const std::string& text, std::string_view range)
+{
+    const std::vector<std::string_view> words = split_words(range);
+    if (std::find(words.begin(), words.end(), text) != words.end()) return;
+    std::string list;
+    for (size_t i = 0; i < words.size(); ++i)
+        list.append(i == 0 ? "" : i + 1 < words.size() ? ", " : " or ").append(words[i]);
+    throw UserError(name + " takes " + list + ", not '" + text + "'" + did_you_mean(text, words));
+}
 
 void Settings::set(const std::string& name, const std::string& value)
 {
@@ -131,7 +169,7 @@ bool Settings::is_auto(std::string_view name) const { return text(name) == "auto
 double Settings::number(std::string_view name) const
 {
     const std::string value(text(name));
-    const std::optional<double> parsed = parse_number(value);
+    const std::optional<double> parsed = read_number(value);
     if (!parsed) throw UserError("setting '" + std::string(name) + "' takes a number, not '" + value + "'");
     return *parsed;
 }

@@ -63,7 +63,7 @@ std::vector<std::string> VisiblePointSettings::describe(const World& world) cons
 {
     std::vector<std::string> lines;
     if (fixed_radius_ > 0.0f)
-        lines.push_back(fmt::format("radius {:.3g} m in the first pass, as given", fixed_radius_));
+        lines.push_back(fmt::format("radius {:.3g} scene units in the first pass, as given", fixed_radius_));
     else
         lines.push_back(fmt::format(
             "radius of {:.3g} pixel footprints in the first pass: {:.3g} scene units where the eye path is {:.3g} "

@@ -41,7 +41,7 @@ inline constexpr SettingInfo photons{
     "25000"};
 inline constexpr SettingInfo radius{"radius", "pixels", "3", "> 0",
                                     "radius of the estimates in the first pass, in pixel footprints"};
-inline constexpr SettingInfo fixed_radius{"fixedradius", "m", "auto", "> 0",
+inline constexpr SettingInfo fixed_radius{"fixedradius", "scene units", "auto", "> 0",
                                           "radius of the estimates in the first pass; auto: from the footprint"};
 inline constexpr SettingInfo alpha{"alpha", "", "0.6667", "> 0",
                                    "how slowly radii shrink, up to 1: their squares fall as pass^(alpha - 1)"};

@@ -4,6 +4,8 @@
 #include "dapple/base/error.h"
 #include "dapple/scene/names.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,6 +47,16 @@ bool read_numbers(const std::string& text, char separator, std::array<double, co
 int crop_pixel(double pixel, int size) { return static_cast<int>(std::clamp(std::ceil(pixel), 0.0, double(size))); }
 int crop_edge(double part, int size) { return crop_pixel(size * part, size); }
 
+// "; 'classes' has the layer 'caustic'" where a layer is named instead of the word that brings it.
+std::string whose_layer(const std::string& word)
+{
+    static constexpr std::array<std::string_view, 4> guides = {"Albedo", "N", "Z", "P"};
+    if (word.empty()) return "";
+    std::string_view choice = "classes", layer = nearest_word(word, path_class_names);
+    if (layer.empty()) choice = "guides", layer = nearest_word(word, guides);
+    return layer.empty() ? "" : "; '" + std::string(choice) + "' has the layer '" + std::string(layer) + "'";
+}
+
 }  // namespace
 
 LayerChoice LayerChoice::parse(const std::string& text)
@@ -68,7 +80,7 @@ LayerChoice LayerChoice::parse(const std::string& text)
             choice.photons = true;
         else if (word != "beauty")
             throw UserError("--layers takes words of all,beauty,guides,classes,groups,photons,error, not '" + word +
-                            "'" + did_you_mean(word, words));
+                            "'" + whose_layer(word) + did_you_mean(word, words));
     }
     return choice;
 }
@@ -103,15 +115,20 @@ void describe_passes(FilmSettings& settings, const Integrator& integrator)
     settings.bias_scale = [&integrator](uint32_t pass) { return integrator.bias_scale(pass); };
 }
 
-void set_resolution(scene::Film& film, const std::string& text)
+Int2 parse_resolution(const std::string& text)
 {
     std::array<double, 2> size{};
-    const bool valid = read_numbers(text, 'x', size) && std::floor(size[0]) == size[0] &&
-                       std::floor(size[1]) == size[1] && size[0] >= 1 && size[1] >= 1 &&
-                       size[0] <= largest_resolution && size[1] <= largest_resolution;
-    if (!valid) throw UserError("--resolution takes WIDTHxHEIGHT such as 640x480, not '" + text + "'");
+    const auto valid = [](double side) { return std::floor(side) == side && side >= 1 && side <= largest_resolution; };
+    if (!read_numbers(text, 'x', size) || !valid(size[0]) || !valid(size[1]))
+        throw UserError("--resolution takes WIDTHxHEIGHT such as 640x480, each from 1 to " +
+                        std::to_string(largest_resolution) + ", not '" + text + "'");
+    return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+void set_resolution(scene::Film& film, Int2 resolution)
+{
     const Int2 old = film.resolution;
-    film.resolution = Int2(static_cast<int>(size[0]), static_cast<int>(size[1]));
+    film.resolution = resolution;
     for (int axis = 0; axis < 2; ++axis) {
         const auto scaled = [&](int edge) {
             return crop_pixel(static_cast<double>(edge) * film.resolution[axis] / old[axis], film.resolution[axis]);
@@ -121,11 +138,20 @@ void set_resolution(scene::Film& film, const std::string& text)
     }
 }
 
-void set_crop(scene::Film& film, const std::string& text)
+CropEdges parse_crop(const std::string& text)
 {
-    std::array<double, 4> edges{};
-    if (!read_numbers(text, ',', edges) || *std::min_element(edges.begin(), edges.end()) < 0)
-        throw UserError("--crop takes x0,x1,y0,y1 as parts of the image or as pixels, not '" + text + "'");
+    CropEdges edges{};
+    const bool numbers = read_numbers(text, ',', edges) && *std::min_element(edges.begin(), edges.end()) >= 0;
+    if (!numbers || edges[0] >= edges[1] || edges[2] >= edges[3])
+        throw UserError(
+            "--crop takes x0,x1,y0,y1 with x0 < x1 and y0 < y1, as parts of the image such as 0.25,0.75,0,1 or as "
+            "pixels, not '" +
+            text + "'");
+    return edges;
+}
+
+void set_crop(scene::Film& film, const CropEdges& edges)
+{
     const bool parts = *std::max_element(edges.begin(), edges.end()) <= 1;
     for (int axis = 0; axis < 2; ++axis) {
         const int size = film.resolution[axis];
@@ -134,8 +160,8 @@ void set_crop(scene::Film& film, const std::string& text)
         film.crop_min[axis] = edge(edges[static_cast<size_t>(2 * axis)]);
         film.crop_max[axis] = edge(edges[static_cast<size_t>(2 * axis + 1)]);
         if (film.crop_min[axis] >= film.crop_max[axis])
-            throw UserError("--crop " + text + " holds no pixel of an image of " + std::to_string(film.resolution[0]) +
-                            "x" + std::to_string(film.resolution[1]));
+            throw UserError(fmt::format("--crop {:g},{:g},{:g},{:g} holds no pixel of an image of {}x{}", edges[0],
+                                        edges[1], edges[2], edges[3], film.resolution.x, film.resolution.y));
     }
 }
 

@@ -6,6 +6,7 @@
 #include "dapple/scene/description.h"
 #include "dapple/world/world.h"
 
+#include <array>
 #include <string>
 
 namespace dapple {
@@ -31,11 +32,16 @@ FilmSettings film_settings(const scene::Description& description, const World& w
 // Takes over what error estimates need to know of the integrator's passes. The settings then refer to the integrator.
 void describe_passes(FilmSettings& settings, const Integrator& integrator);
 
-// Changes the resolution ("640x480"); a crop window keeps its part of the image. Throws UserError.
-void set_resolution(scene::Film& film, const std::string& text);
+// "640x480". Throws UserError.
+Int2 parse_resolution(const std::string& text);
+// Changes the resolution; a crop window keeps its part of the image.
+void set_resolution(scene::Film& film, Int2 resolution);
 
-// Changes the crop window: "x0,x1,y0,y1", as parts of the image where all four are at most 1 (as pbrt's cropwindow),
-// else in pixels, half open. Throws UserError.
-void set_crop(scene::Film& film, const std::string& text);
+// x0, x1, y0, y1, half open: parts of the image where all four are at most 1 (as pbrt's cropwindow), else pixels.
+using CropEdges = std::array<double, 4>;
+// "x0,x1,y0,y1". Throws UserError.
+CropEdges parse_crop(const std::string& text);
+// Changes the crop window. Throws UserError where it holds no pixel.
+void set_crop(scene::Film& film, const CropEdges& edges);
 
 }  // namespace dapple

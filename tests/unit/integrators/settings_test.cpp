@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<SettingInfo, 6> table = {{
     {"photons", "photons", "1M", "integer >= 1", "photons per pass"},
-    {"radius", "m", "auto", "> 0", "bandwidth"},
+    {"radius", "scene units", "auto", "> 0", "bandwidth"},
     {"alpha", "", "0.75", "> 0 and < 1", "reduction"},
     {"share", "", "0.5", "0 to 1", "share"},
     {"kernel", "", "cone", "constant|cone|gaussian", "kernel"},
@@ -75,11 +75,20 @@ TEST(Settings, RefuseWhatIsNoNumber)
         EXPECT_NE(error_of("radius", text), "") << "'" << text << "'";
 }
 
+TEST(Settings, SayTheirRangeInWords)
+{
+    EXPECT_EQ(error_of("photons", "0"), "setting 'photons' takes a whole number of 1 or more, not '0'");
+    EXPECT_EQ(error_of("radius", "x"), "setting 'radius' takes a number above 0 or auto, not 'x'");
+    EXPECT_EQ(error_of("alpha", "1"), "setting 'alpha' takes a number above 0 and below 1, not '1'");
+    EXPECT_EQ(error_of("share", "2"), "setting 'share' takes a number from 0 to 1, not '2'");
+    EXPECT_EQ(error_of("kernel", "x"), "setting 'kernel' takes constant, cone or gaussian, not 'x'");
+}
+
 TEST(Settings, NameTheNearestKnownWord)
 {
     EXPECT_NE(error_of("photon", "1").find("'photons'"), std::string::npos);
     EXPECT_NE(error_of("kernel", "gausian").find("'gaussian'"), std::string::npos);
-    EXPECT_NE(error_of("gather", "yes").find("true|false"), std::string::npos);
+    EXPECT_NE(error_of("gather", "yes").find("true or false"), std::string::npos);
 }
 
 }  // namespace

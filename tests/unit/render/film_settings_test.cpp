@@ -20,7 +20,7 @@ scene::Film film_of(int width, int height)
 TEST(Crop, TakesPartsAsPbrtDoes)
 {
     scene::Film film = film_of(100, 50);
-    set_crop(film, "0.25,0.5,0,1");
+    set_crop(film, parse_crop("0.25,0.5,0,1"));
     EXPECT_EQ(film.crop_min, Int2(25, 0));
     EXPECT_EQ(film.crop_max, Int2(50, 50));
 }
@@ -28,15 +28,15 @@ TEST(Crop, TakesPartsAsPbrtDoes)
 TEST(Crop, NeighboursShareNoPixel)
 {
     scene::Film left = film_of(101, 7), right = film_of(101, 7);
-    set_crop(left, "0,0.33,0,1");
-    set_crop(right, "0.33,1,0,1");
+    set_crop(left, parse_crop("0,0.33,0,1"));
+    set_crop(right, parse_crop("0.33,1,0,1"));
     EXPECT_EQ(left.crop_max.x, right.crop_min.x);
 }
 
 TEST(Crop, TakesPixels)
 {
     scene::Film film = film_of(100, 50);
-    set_crop(film, "10,20,0,2000");
+    set_crop(film, parse_crop("10,20,0,2000"));
     EXPECT_EQ(film.crop_min, Int2(10, 0));
     EXPECT_EQ(film.crop_max, Int2(20, 50));
 }
@@ -45,8 +45,8 @@ TEST(Crop, TakesEveryPixelAsItIs)
 {
     for (int edge = 0; edge < 270; ++edge) {
         scene::Film film = film_of(270, 270);  // 270 * (109.0 / 270) is above 109
-        set_crop(film, std::to_string(edge) + ",270," + std::to_string(edge) + ",270");
-        set_resolution(film, "270x270");
+        set_crop(film, parse_crop(std::to_string(edge) + ",270," + std::to_string(edge) + ",270"));
+        set_resolution(film, Int2(270, 270));
         EXPECT_EQ(film.crop_min, Int2(edge, edge));
         EXPECT_EQ(film.crop_max, Int2(270, 270));
     }
@@ -57,18 +57,18 @@ TEST(Crop, RefusesWhatHoldsNoPixel)
     scene::Film film = film_of(100, 50);
     for (const char* text :
          {"", "1,2,3", "0.5,0.5,0,1", "20,10,0,5", "-1,5,0,5", "0,1,0,1,", "0 1 0 1", "a,b,c,d", "nan,1,0,1"})
-        EXPECT_THROW(set_crop(film, text), UserError) << "'" << text << "'";
+        EXPECT_THROW(set_crop(film, parse_crop(text)), UserError) << "'" << text << "'";
 }
 
 TEST(Resolution, KeepsTheCroppedPart)
 {
     scene::Film film = film_of(100, 50);
-    set_crop(film, "0.25,0.5,0,1");
-    set_resolution(film, "400x200");
+    set_crop(film, parse_crop("0.25,0.5,0,1"));
+    set_resolution(film, Int2(400, 200));
     EXPECT_EQ(film.resolution, Int2(400, 200));
     EXPECT_EQ(film.crop_min, Int2(100, 0));
     EXPECT_EQ(film.crop_max, Int2(200, 200));
-    set_resolution(film, "1x1");
+    set_resolution(film, Int2(1, 1));
     EXPECT_EQ(film.crop_min, Int2(0, 0));
     EXPECT_EQ(film.crop_max, Int2(1, 1));
 }
@@ -76,8 +76,8 @@ TEST(Resolution, KeepsTheCroppedPart)
 TEST(Resolution, RefusesTheRest)
 {
     scene::Film film = film_of(100, 50);
-    for (const char* text : {"", "100", "100x", "0x5", "-4x4", "1.5x2", "100x50x3", "99999999x1"})
-        EXPECT_THROW(set_resolution(film, text), UserError) << "'" << text << "'";
+    for (const char* text : {"", "100", "100x", "0x5", "-4x4", "1.5x2", "100x50x3", "65537x1", "99999999x1"})
+        EXPECT_THROW(set_resolution(film, parse_resolution(text)), UserError) << "'" << text << "'";
 }
 
 TEST(Layers, AreChosenByWord)

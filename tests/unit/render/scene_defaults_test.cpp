@@ -56,6 +56,47 @@ TEST(SceneDefaults, UnknownNamesAreErrors)
     EXPECT_THROW(choose_integrator(named("path"), "", {{"maxdepth", "-3"}}), UserError);
 }
 
+std::string error_of(const scene::Integrator& integrator, const std::string& asked,
+                     const std::vector<std::pair<std::string, std::string>>& definitions)
+{
+    try {
+        choose_integrator(integrator, asked, definitions);
+    } catch (const UserError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+TEST(SceneDefaults, ErrorsAndNotesHaveThePlaceInTheScene)
+{
+    scene::Integrator integrator = named("vlpath");
+    integrator.at = {"a.pbrt", 3, 1};
+    EXPECT_EQ(error_of(integrator, "", {}),
+              "a.pbrt:3:1: unknown integrator 'vlpath'; did you mean 'volpath'? (-i NAME renders with another)");
+    EXPECT_EQ(error_of(integrator, "path", {}), "no error");
+    integrator.name = "ao";
+    const IntegratorChoice choice = choose_integrator(integrator, "", {});
+    EXPECT_EQ(choice.entry->name, "path");
+    ASSERT_EQ(choice.notes.size(), 1u);
+    EXPECT_EQ(choice.notes[0],
+              "a.pbrt:3:1: the scene asks for integrator 'ao'; 'path' is used in its place (-i chooses another)");
+    integrator.parameters = {{"maxdepth", "-3", {"a.pbrt", 3, 17}}};
+    EXPECT_EQ(error_of(integrator, "path", {}),
+              "a.pbrt:3:17: setting 'maxdepth' takes a number of 0 or more, not '-3'");
+}
+
+TEST(SceneDefaults, UnknownSettingsNameTheNearestOrTheirOwner)
+{
+    EXPECT_EQ(error_of({}, "sppm", {{"radiustst", "true"}}),
+              "sppm has no setting 'radiustst'; did you mean 'radiustest'? ('dapple integrators sppm' lists its own)");
+    EXPECT_EQ(error_of({}, "bdpt", {{"kernel", "cone"}}),
+              "bdpt has no setting 'kernel'; it is a setting of photonmap, irradiancecache, sppm, photonsplat, vcm "
+              "('dapple integrators bdpt' lists its own)");
+    EXPECT_EQ(error_of({}, "path", {{"radiustst", "true"}}),
+              "path has no setting 'radiustst'; 'radiustest' is a setting of sppm ('dapple integrators path' lists its "
+              "own)");
+}
+
 // Every table of settings can be read: fallbacks have the form that they ask of the user.
 TEST(Registry, FallbacksKeepTheirOwnRanges)
 {
