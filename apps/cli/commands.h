@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ namespace dapple::cli {
 // Exit statuses: 0 done; 1 the program failed, or a comparison did not hold; 2 the user's input cannot be used.
 inline constexpr int exit_failure = 1;
 inline constexpr int exit_bad_input = 2;
+
+// What went wrong through no fault of the input: one line and exit_failure.
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
 
 struct Command {
     CLI::App* parser = nullptr;

@@ -96,6 +96,8 @@ int main(int argc, char** argv)
         return run(argc, argv);
     } catch (const dapple::UserError& error) {
         return report(error.what(), exit_bad_input);
+    } catch (const Failure& failure) {
+        return report(failure.what(), exit_failure);
     } catch (const std::bad_alloc&) {
         return report("out of memory", exit_failure);
     } catch (const std::exception& error) {

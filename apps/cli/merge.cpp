@@ -67,7 +67,9 @@ int merge(const Options& options)
     output.write_state = [&](const std::string& path) { write_checkpoint(path, whole.header, *whole.film); };
     const auto progress = make_progress(options.quiet ? ProgressKind::none : ProgressKind::bar);
     progress->note(fmt::format("{} passes", whole.header.passes()));
-    return write_outputs(result_of(whole), whole.header.record, output, *progress) ? 0 : exit_failure;
+    const std::string error = write_outputs(result_of(whole), whole.header.record, output, *progress);
+    if (!error.empty()) throw Failure(error);
+    return 0;
 }
 
 }  // namespace

@@ -143,30 +143,27 @@ CheckpointPlan checkpoint_plan(const RenderOptions& options, const RenderStart& 
     return plan;
 }
 
-// Writes images and states, and says what is missing in them. Returns the exit status.
-int write_results(const RenderOptions& options, const CheckpointHeader& identity, const Film& film,
-                  RenderResult& result, std::vector<std::string> outputs, Checkpointer* checkpointer,
-                  const StopRequests& requests, Progress& progress)
+// Writes images and states, and says what is missing in them. Returns what went wrong.
+std::vector<std::string> write_results(const RenderOptions& options, const CheckpointHeader& identity, const Film& film,
+                                       RenderResult& result, std::vector<std::string> outputs,
+                                       Checkpointer* checkpointer, const StopRequests& requests, Progress& progress)
 {
     if (result.incomplete)
         log_warning("no pass was completed: the image is a part of the first one, black where it was not reached");
     if (result.passes_lost > 0)
         log_warning("the image holds {} passes; {} more were lost by stopping at once", result.passes,
                     result.passes_lost);
-    if (result.failed) log_warning("{}", result.reason);
 
-    bool good = !result.failed;
+    std::vector<std::string> problems;
+    if (result.failed) problems.push_back(fmt::format("{}; the image holds {} passes", result.reason, result.passes));
     if (!result.film_whole)
         std::erase_if(outputs, [&](const std::string& path) {
             if (!is_state_path(path)) return false;
-            log_warning("'{}' is not written: the last pass was given up", path);
-            good = false;
+            problems.push_back(fmt::format("'{}' is not written: the last pass was given up", path));
             return true;
         });
-    if (checkpointer && !checkpointer->finish(film, result) && !checkpointer->automatic()) {
-        log_warning("the checkpoint '{}' does not hold the last passes", checkpointer->path());
-        good = false;
-    }
+    if (checkpointer && !checkpointer->finish(film, result) && !checkpointer->automatic())
+        problems.push_back(fmt::format("the checkpoint '{}' does not hold the last passes", checkpointer->path()));
     if (checkpointer && checkpointer->written() && (result.by_request || result.failed))
         progress.note(fmt::format("dapple resume {} goes on", checkpointer->path()));
 
@@ -183,7 +180,9 @@ int write_results(const RenderOptions& options, const CheckpointHeader& identity
         set_progress(header, film, {result.seconds, result.eye_paths, result.light_paths, result.photons, result.rays});
         write_checkpoint(path, header, film);
     };
-    return write_outputs(result, identity.record, output, progress) && good ? 0 : exit_failure;
+    const std::string error = write_outputs(result, identity.record, output, progress);
+    if (!error.empty()) problems.push_back(error);
+    return problems;
 }
 
 // Puts the passes of the checkpoint into the film; refuses when they are of another render.
@@ -273,9 +272,15 @@ int render(const RenderOptions& options, const RenderStart& start)
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
     if (view && (result.film_whole || film.cut())) view->finish(film);
-    if (techniques) techniques->write(options.techniques, result);
-    return write_results(options, identity, film, result, outputs, checkpointer ? &*checkpointer : nullptr, requests,
-                         *progress);
+    std::vector<std::string> problems = write_results(options, identity, film, result, outputs,
+                                                      checkpointer ? &*checkpointer : nullptr, requests, *progress);
+    try {
+        if (techniques) techniques->write(options.techniques, result);
+    } catch (const UserError& error) {
+        problems.emplace_back(error.what());
+    }
+    if (!problems.empty()) throw Failure(fmt::format("{}", fmt::join(problems, "; ")));
+    return 0;
 }
 
 Command add_render(CLI::App& app, const Invocation& invocation)

@@ -129,6 +129,12 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(self.header("ball.exr", "dapple:passes"), "4")
         self.assertEqual(self.header("ball.exr", "dapple:integrator"), "path")
 
+    def test_every_scene_of_ours_renders(self):
+        scenes = sorted((pathlib.Path(__file__).resolve().parents[2] / "scenes").glob("*.pbrt"))
+        self.assertGreater(len(scenes), 10)
+        for scene in scenes:
+            self.dapple("render", scene, "--quiet", "-i", "path", "--resolution", "4x4", "--passes", 1, "-o", "a.exr")
+
     def test_quiet_says_nothing(self):
         result = self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "a.png")
         self.assertEqual(result.stdout + result.stderr, "")

@@ -37,7 +37,8 @@ struct Writer {
     WriteOptions image_options;
     Progress& progress;
 
-    bool write(const std::string& path) const
+    // Empty, or why it could not be written.
+    std::string write(const std::string& path) const
     {
         try {
             if (is_state_path(path))
@@ -45,15 +46,14 @@ struct Writer {
             else
                 write_image(path, result.image, image_options);
         } catch (const UserError& error) {
-            log_warning("{}", error.what());
-            return false;
+            return error.what();
         }
         progress.written(path);
-        return true;
+        return "";
     }
 
-    // Under a name of its own in the first rescue folder that takes it. False when none does.
-    bool rescue(std::string_view ending) const
+    // Under a name of its own in the first rescue folder that takes it; that name. Empty when none does.
+    std::string rescue(std::string_view ending) const
     {
         for (const std::string& folder : options.rescue_folders) {
             std::string path;
@@ -63,12 +63,9 @@ struct Writer {
                 path = (fs::path(folder) / ("dapple-rescue-" + std::to_string(number++))).string();
                 path += ending;
             } while (fs::exists(path, ignored));
-            if (write(path)) {
-                log_warning("the render was saved as {}", path);
-                return true;
-            }
+            if (write(path).empty()) return path;
         }
-        return false;
+        return "";
     }
 };
 
@@ -145,8 +142,8 @@ void check_output_folder(const std::string& path)
         throw UserError("cannot write '" + path + "': folder '" + folder.string() + "' is read-only");
 }
 
-bool write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
-                   Progress& progress)
+std::string write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
+                          Progress& progress)
 {
     WriteOptions write;
     write.channel_names = result.channels;
@@ -161,16 +158,24 @@ bool write_outputs(const RenderResult& result, const RenderRecord& record, const
     rescuer.image_options.half = false;
     for (size_t attempt = 0;; ++attempt) {
         const Writer writer{result, options, write, progress};
-        std::erase_if(left, [&](const std::string& path) { return writer.write(path); });
-        if (left.empty()) return true;
+        std::string why;
+        std::erase_if(left, [&](const std::string& path) {
+            const std::string error = writer.write(path);
+            if (!error.empty()) why += (why.empty() ? "" : "; ") + error;
+            return error.empty();
+        });
+        if (left.empty()) return "";
         const bool with_state = std::any_of(left.begin(), left.end(), is_state_path);
-        if (rescuer.rescue(".exr") && (!with_state || rescuer.rescue(state_ending))) return false;
+        const std::string image = rescuer.rescue(".exr");
+        const std::string state = with_state && !image.empty() ? rescuer.rescue(state_ending) : "";
+        if (!image.empty() && (!with_state || !state.empty()))
+            return why + "; the render was saved as " + image + (with_state ? " and " + state : "");
         const std::vector<double>& pauses = options.retry_pauses;
-        if (pauses.empty() || (attempt >= pauses.size() && !options.requests)) return false;
+        if (pauses.empty() || (attempt >= pauses.size() && !options.requests)) return why;
         const double pause = pauses[std::min(attempt, pauses.size() - 1)];
-        log_warning("the render is kept in memory; trying again in {:g} s{}", pause,
+        log_warning("{}; the render is kept in memory; trying again in {:g} s{}", why, pause,
                     options.requests ? " (Ctrl-C gives it up)" : "");
-        if (!wait(pause, options.requests)) return false;
+        if (!wait(pause, options.requests)) return why + "; given up by request";
     }
 }
 

@@ -52,10 +52,11 @@ void check_output_paths(const std::vector<std::string>& paths);
 // The latter alone.
 void check_output_folder(const std::string& path);
 
-// Writes every path. A path that fails is reported (log) and, once for all of them, the image with all layers is saved
-// as dapple-rescue-N.exr (and the render as dapple-rescue-N.dapple, if one was to be written) in the first rescue
-// folder that takes it; if none does, all is tried again after each pause. False when a path could not be written.
-bool write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
-                   Progress& progress);
+// Writes every path. Where one fails, the image with all layers is saved, once for all of them, as dapple-rescue-N.exr
+// (and the render as dapple-rescue-N.dapple, if one was to be written) in the first rescue folder that takes it; if
+// none does, all is tried again after each pause. Returns nothing, or in one line what could not be written, why, and
+// where the render is.
+std::string write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
+                          Progress& progress);
 
 }  // namespace dapple

@@ -68,7 +68,7 @@ TEST_F(Output, HeaderSaysHowTheImageWasMade)
 {
     OutputOptions options;
     options.paths = {in_folder("a.exr")};
-    ASSERT_TRUE(write_outputs(result_, record_, options, *progress_));
+    ASSERT_EQ(write_outputs(result_, record_, options, *progress_), "");
     const ImageFile file = read_image_file(options.paths[0]);
     EXPECT_EQ(attribute(file, "dapple:version"), "1.2.3");
     EXPECT_EQ(attribute(file, "dapple:command"), "dapple render x.pbrt");
@@ -92,10 +92,12 @@ TEST_F(Output, FailedWriteIsRescued)
     options.paths = {in_folder("missing/a.png"), in_folder("b.png")};
     options.rescue_folders = {in_folder("also-missing"), folder_.string()};
     options.retry_pauses = {};
-    EXPECT_FALSE(write_outputs(result_, record_, options, *progress_));
+    const std::string error = write_outputs(result_, record_, options, *progress_);
+    EXPECT_NE(error.find("missing/a.png'"), error.npos) << error;
+    EXPECT_TRUE(error.ends_with("; the render was saved as " + in_folder("dapple-rescue-1.exr"))) << error;
     EXPECT_TRUE(fs::exists(folder_ / "b.png"));
     EXPECT_EQ(read_image_file(in_folder("dapple-rescue-1.exr")).image.channels, 4);
-    EXPECT_FALSE(write_outputs(result_, record_, options, *progress_));
+    EXPECT_NE(write_outputs(result_, record_, options, *progress_), "");
     EXPECT_TRUE(fs::exists(folder_ / "dapple-rescue-2.exr")) << "an earlier rescue is not overwritten";
 }
 
@@ -104,9 +106,9 @@ TEST_F(Output, TriesAgainWhenNothingTakesIt)
     OutputOptions options;
     options.paths = {in_folder("later/a.exr")};
     options.retry_pauses = {0.001, 0.001};
-    EXPECT_FALSE(write_outputs(result_, record_, options, *progress_));
+    EXPECT_NE(write_outputs(result_, record_, options, *progress_), "");
     fs::create_directories(folder_ / "later");
-    EXPECT_TRUE(write_outputs(result_, record_, options, *progress_));
+    EXPECT_EQ(write_outputs(result_, record_, options, *progress_), "");
 }
 
 }  // namespace
