@@ -148,8 +148,7 @@ std::vector<std::string> write_results(const RenderOptions& options, const Check
                                        RenderResult& result, std::vector<std::string> outputs,
                                        Checkpointer* checkpointer, const StopRequests& requests, Progress& progress)
 {
-    if (result.incomplete)
-        log_warning("no pass was completed: the image is a part of the first one, black where it was not reached");
+    if (!result.incomplete.empty()) log_warning("{}", result.incomplete);
     if (result.passes_lost > 0)
         log_warning("the image holds {} passes; {} more were lost by stopping at once", result.passes,
                     result.passes_lost);

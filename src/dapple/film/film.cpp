@@ -2,6 +2,7 @@
 // is warm and 0.32 us at random places of 1280 x 720 (0.33 and 0.46 us with a locked addition for each sum).
 #include "dapple/film/film.h"
 
+#include "dapple/base/assert.h"
 #include "dapple/base/error.h"
 #include "dapple/film/film_sums.h"
 
@@ -183,6 +184,7 @@ void Film::add_to_pixel(Int2 pixel, const Vec3& sensor_rgb, PathClass path_class
 
 void Film::end_pass()
 {
+    DAPPLE_ASSERT(!cut_);
     if (errors_) errors_->end_pass(settings_.first_pass + passes_, sums_->luminance());
     ++passes_;
     std::fill(reached_.begin(), reached_.end(), uint8_t{0});
@@ -190,13 +192,41 @@ void Film::end_pass()
 
 ErrorEstimate Film::error() const { return errors_ ? errors_->estimate(passes_, sums_->luminance()) : ErrorEstimate(); }
 
+std::vector<uint32_t> Film::shown_pixels() const
+{
+    const auto is_reached = [](uint8_t reached) { return reached != 0; };
+    if (!cut_ || passes_ > 0 || std::none_of(reached_.begin(), reached_.end(), is_reached)) return {};
+    // Outwards from all that were reached at once, a pixel at a time.
+    constexpr uint32_t none = ~0u;
+    const Int2 size = sums_->crop_size;
+    std::vector<uint32_t> shown(reached_.size(), none), queue;
+    queue.reserve(reached_.size());
+    for (uint32_t i = 0; i < reached_.size(); ++i)
+        if (is_reached(reached_[i])) queue.push_back(shown[i] = i);
+    for (size_t next = 0; next < queue.size(); ++next) {
+        const Int2 at(static_cast<int>(queue[next]) % size.x, static_cast<int>(queue[next]) / size.x);
+        for (const Int2& step : {Int2(-1, 0), Int2(1, 0), Int2(0, -1), Int2(0, 1)}) {
+            const Int2 to = at + step;
+            if (to.x < 0 || to.y < 0 || to.x >= size.x || to.y >= size.y) continue;
+            const auto i = static_cast<uint32_t>(to.y * size.x + to.x);
+            if (shown[i] != none) continue;
+            shown[i] = shown[queue[next]];
+            queue.push_back(i);
+        }
+    }
+    return shown;
+}
+
 Image Film::beauty() const
 {
     const Sums& s = *sums_;
+    const std::vector<uint32_t> shown = shown_pixels();
     Image image(s.crop_size.x, s.crop_size.y, 3);
-    for (size_t pixel = 0; pixel < s.pixels(); ++pixel)
+    for (size_t i = 0; i < s.pixels(); ++i) {
+        const size_t pixel = shown.empty() ? i : shown[i];
         for (int c = 0; c < 3; ++c)
-            image.pixels[pixel * 3 + c] = static_cast<float>(from_fixed(s.beauty(pixel, c)) * image_factor(pixel));
+            image.pixels[i * 3 + c] = static_cast<float>(from_fixed(s.beauty(pixel, c)) * image_factor(pixel));
+    }
     return image;
 }
 
@@ -218,12 +248,14 @@ Image Film::layers(std::vector<std::string>& channel_names) const
 
     Image image(s.crop_size.x, s.crop_size.y, static_cast<int>(channel_names.size()));
     float* out = image.pixels.data();
-    for (size_t pixel = 0; pixel < s.pixels(); ++pixel) {
+    const std::vector<uint32_t> shown = shown_pixels();
+    for (size_t i = 0; i < s.pixels(); ++i) {
+        const size_t pixel = shown.empty() ? i : shown[i];
         const double factor = image_factor(pixel);
         for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(pixel, c)) * factor);
-        for (size_t i = first; i < s.planes.size(); ++i)
-            for (int c = 0; c < s.planes[i].channels(); ++c)
-                *out++ = static_cast<float>(from_fixed(s.planes[i].pixel(pixel)[c]) * factor);
+        for (size_t plane = first; plane < s.planes.size(); ++plane)
+            for (int c = 0; c < s.planes[plane].channels(); ++c)
+                *out++ = static_cast<float>(from_fixed(s.planes[plane].pixel(pixel)[c]) * factor);
         for (int c = 0; c < errors.channels; ++c) *out++ = errors.pixels[pixel * errors.channels + c];
     }
     return image;
@@ -245,6 +277,7 @@ void Film::merge(const Film& other)
 {
     Sums& s = *sums_;
     const Sums& o = *other.sums_;
+    DAPPLE_ASSERT(!cut_ && !other.cut_);
     if (state_header() != other.state_header())
         throw UserError("films of different layers or crop windows cannot be merged");
     if (errors_) errors_->merge(*other.errors_, s.luminance(), o.luminance());
@@ -258,6 +291,7 @@ void Film::merge(const Film& other)
 
 void Film::write_state(std::ostream& out) const
 {
+    DAPPLE_ASSERT(!cut_);
     const std::string header = state_header();
     out.write(header.data(), static_cast<std::streamsize>(header.size()));
     write_word(out, passes_);

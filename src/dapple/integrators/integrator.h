@@ -29,6 +29,10 @@ struct PassContext {
     uint32_t pass = 0;
     Statistics& statistics;
     const std::atomic<bool>* cancel = nullptr;  // set: return soon, without beginning more pixels
+    // The same samples in rounds of one pixel in every block of 4 x 4, for a first pass that may be cut: it has reached
+    // all parts of the image after one round.
+    bool coarse_to_fine = false;
+    static constexpr int block = 4;
     bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
 };
 

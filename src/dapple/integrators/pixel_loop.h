@@ -49,6 +49,14 @@ struct EyeSample {
     }
 };
 
+// Where in its block of 4 x 4 pixels the one of a round is (PassContext::coarse_to_fine): ever finer grids, each as
+// even as can be.
+inline Int2 place_in_round(int round)
+{
+    const int a = round & 1, b = (round >> 1) & 1, c = (round >> 2) & 1, d = (round >> 3) & 1;
+    return {2 * a + c, 2 * (a ^ b) + (c ^ d)};
+}
+
 // Calls trace(EyeSample&) once for every pixel of the film's crop window, in parallel; wavelengths(pixel, random)
 // chooses the sample's wavelengths.
 template <class ChooseWavelengths, class Trace>
@@ -59,12 +67,13 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
     const Int2 size = settings.crop_max - settings.crop_min;
     const Int2 tiles((size.x + tile - 1) / tile, (size.y + tile - 1) / tile);
     const int groups = static_cast<int>(settings.light_groups.size());
-    parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) {
+    const int step = context.coarse_to_fine ? PassContext::block : 1;
+    const auto trace_tile = [&](int64_t index, Int2 first) {
         PixelSample sums(groups);
         uint64_t traced = 0;
         const Int2 corner = settings.crop_min + Int2(int(index % tiles.x) * tile, int(index / tiles.x) * tile);
-        for (int y = corner.y; y < std::min(corner.y + tile, settings.crop_max.y); ++y)
-            for (int x = corner.x; x < std::min(corner.x + tile, settings.crop_max.x); ++x) {
+        for (int y = corner.y + first.y; y < std::min(corner.y + tile, settings.crop_max.y); y += step)
+            for (int x = corner.x + first.x; x < std::min(corner.x + tile, settings.crop_max.x); x += step) {
                 if (context.cancelled()) break;
                 const Int2 pixel(x, y);
                 film.prefetch_pixel(pixel);
@@ -83,7 +92,9 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
                 ++traced;
             }
         context.statistics.eye_paths += traced;
-    });
+    };
+    for (int round = 0; round < step * step; ++round)
+        parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) { trace_tile(index, place_in_round(round)); });
 }
 
 // Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no

@@ -58,7 +58,7 @@ void Checkpointer::after_pass(const Film& film, const RenderCounters& counters)
 
 bool Checkpointer::finish(const Film& film, const RenderResult& result)
 {
-    const bool ended_early = result.by_request || result.failed || result.incomplete;
+    const bool ended_early = result.by_request || result.failed || !result.incomplete.empty();
     if (plan_.automatic && !ended_early) {
         std::error_code ignored;
         if (written_) std::filesystem::remove(plan_.path, ignored);

@@ -111,10 +111,7 @@ ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& res
         metadata.emplace_back("dapple:errorNoise", result.error.noise);
         metadata.emplace_back("dapple:errorBias", result.error.bias);
     }
-    if (result.incomplete)
-        metadata.emplace_back("dapple:incomplete",
-                              "the first pass was cut short: black pixels were not reached, and "
-                              "light from light paths is too dark");
+    if (!result.incomplete.empty()) metadata.emplace_back("dapple:incomplete", result.incomplete);
     return metadata;
 }
 

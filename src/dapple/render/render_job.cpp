@@ -26,6 +26,7 @@ public:
           requests_(requests),
           progress_(progress),
           may_cut_(job.integrator.adds_eye_samples_alone() && !job.keep_film_whole && !job.film.settings().error_layer),
+          first_round_(pixels_of_first_round(job.film.settings())),
           done_(job.film.passes())
     {
         statistics_.eye_paths = job.before.eye_paths;
@@ -55,6 +56,14 @@ private:
         return job_.before.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
     }
 
+    // That is the least of the first pass that makes a picture.
+    static uint64_t pixels_of_first_round(const FilmSettings& settings)
+    {
+        const Int2 size = settings.crop_max - settings.crop_min;
+        const auto blocks = [](int extent) { return (extent + PassContext::block - 1) / PassContext::block; };
+        return uint64_t(blocks(size.x)) * uint64_t(blocks(size.y));
+    }
+
     uint32_t next_pass() const { return job_.film.settings().first_pass + done(); }
 
     void run_passes()
@@ -65,8 +74,9 @@ private:
             copy_if_due();
             begin_pass();
             try {
-                job_.integrator.render_pass(PassContext{job_.world, job_.seed, next_pass(), statistics_, &cancel_},
-                                            job_.film);
+                job_.integrator.render_pass(
+                    PassContext{job_.world, job_.seed, next_pass(), statistics_, &cancel_, may_cut_ && done() == 0},
+                    job_.film);
             } catch (const std::exception& error) {
                 if (done() == 0) throw;
                 result_.failed = true;
@@ -121,7 +131,7 @@ private:
     {
         const std::lock_guard lock(mutex_);
         pass_start_ = elapsed();
-        may_give_up_ = !job_.keep_film_whole && done() > 0 && (may_cut_ || copied_passes_ == done());
+        may_give_up_ = !job_.keep_film_whole && (may_cut_ || (done() > 0 && copied_passes_ == done()));
     }
 
     void end_pass()
@@ -160,7 +170,8 @@ private:
             {
                 const std::lock_guard lock(mutex_);
                 const bool late = may_cut_ ? job_.stop.time_is_up(elapsed()) : job_.stop.overdue(elapsed());
-                if (may_give_up_ && late) cancel(Cause::time);
+                const bool shows_all = done_ > 0 || statistics_.eye_paths.load() >= first_round_;
+                if (may_give_up_ && late && shows_all) cancel(Cause::time);
             }
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
@@ -224,7 +235,7 @@ private:
             result_.error = job_.film.error();
         } else {
             if (!result_.failed) result_.reason = why_cut(cut_part);
-            if (may_cut_ && done() > 0) {
+            if (may_cut_ && (done() > 0 || cut_part > 0)) {
                 take_cut(cut_part);
             } else if (copied_passes_ > 0) {
                 result_.image = std::move(copy_);
@@ -244,7 +255,9 @@ private:
     std::string why_cut(double part) const
     {
         const char* why = cause_.load() == Cause::time ? "time is up" : "stopped at once by request";
-        if (part > 0 && done() > 0) return fmt::format("{}, with {:.0f} % of another pass", why, 100 * part);
+        if (part > 0)
+            return fmt::format("{}, with {:.0f} % of {}", why, 100 * part,
+                               done() > 0 ? "another pass" : "the first pass");
         return std::string(why) + ", the last pass was given up";
     }
 
@@ -255,6 +268,10 @@ private:
         result_.film_whole = part == 0;
         result_.image = job_.film.layers(result_.channels);
         result_.passes = done();
+        if (done() == 0)
+            result_.incomplete = fmt::format(
+                "the first pass was cut short at {:.0f} %: pixels that it did not reach show their nearest neighbours",
+                100 * part);
     }
 
     // Cancelled before there was any copy. The film holds `done` passes and a part of one more. Only when done is 0 is
@@ -264,7 +281,8 @@ private:
     {
         job_.film.end_pass();
         result_.image = job_.film.layers(result_.channels);
-        result_.incomplete = true;
+        result_.incomplete =
+            "the first pass was cut short: black pixels were not reached, and light from light paths is too dark";
     }
 
     uint32_t done() const { return done_; }
@@ -280,6 +298,7 @@ private:
     std::atomic<Cause> cause_{Cause::none};
     bool whole_ = false;
     const bool may_cut_;  // a part of a pass may be kept
+    const uint64_t first_round_;
 
     Image copy_;
     std::vector<std::string> copy_channels_;

@@ -16,9 +16,10 @@
 //   time limit               a pass that may be cut is cut there; any other is cancelled when 4 % beyond it: the copy
 //                            made before it has everything;
 //   an error in a pass       as the second request, with `failed` set.
-// The first pass is not cut for time. If it is cancelled, the image is that of its part: pixels not reached are black,
-// light that was splatted is a part of the whole, and `incomplete` is set for the header of the file and for the
-// message.
+// The first pass, where it may be cut, goes over the image from coarse to fine, and is cut for time after its first
+// round at the earliest: pixels that it did not reach show their neighbours. Another first pass is not cut for time. If
+// it is cancelled, pixels not reached are black and light that was splatted is a part of the whole. `incomplete` says
+// so for the header of the file and for the message.
 #pragma once
 
 #include "dapple/film/film.h"
@@ -81,7 +82,7 @@ struct RenderResult {
     double seconds = 0;        // from the start of the first pass
     ErrorEstimate error;       // no batches where it was not asked for
     std::string reason;        // why the render ended, in words
-    bool incomplete = false;   // the image is that of a part of the first pass
+    std::string incomplete;    // if the image is that of a part of the first pass, what it lacks
     bool failed = false;       // ended by an error inside of a pass
     bool film_whole = false;   // the film holds whole passes, and may be continued
     bool by_request = false;   // ended by the user

@@ -235,6 +235,29 @@ TEST(Film, DamagedStatesAreRefused)
     EXPECT_EQ(film.passes(), 1u);
 }
 
+// A cut first pass: pixels without a sample show the nearest that has one, in all layers.
+TEST(Film, CutFirstPassIsFilledFromNeighbours)
+{
+    Film film(small_film(7, 3));
+    PixelSample sample(0);
+    for (const int x : {1, 5}) {
+        sample.clear();
+        sample.add(Vec3(static_cast<float>(x)), PathClass::direct, LightGroup(0));
+        sample.guides.depth = 10.0f * x;
+        film.add_pixel({x, 1}, sample, 1);
+    }
+    film.end_cut_pass();
+    const Image image = layer(film, {"R", "direct.G", "Z"});
+    for (int y = 0; y < 3; ++y)
+        for (const int x : {0, 1, 2, 4, 5, 6}) {
+            const float nearest = x < 3 ? 1.0f : 5.0f;
+            EXPECT_EQ(image.at(x, y, 0), nearest) << x << ' ' << y;
+            EXPECT_EQ(image.at(x, y, 1), nearest);
+            EXPECT_EQ(image.at(x, y, 2), 10 * nearest);
+            EXPECT_EQ(film.beauty().at(x, y, 2), nearest);
+        }
+}
+
 TEST(Film, AccidentsAreDroppedAndCounted)
 {
     Film film(small_film());

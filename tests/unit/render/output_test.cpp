@@ -80,7 +80,7 @@ TEST_F(Output, HeaderSaysHowTheImageWasMade)
 
 TEST_F(Output, IncompleteImagesSaySo)
 {
-    result_.incomplete = true;
+    result_.incomplete = "a part";
     const ImageMetadata metadata = image_metadata(record_, result_);
     EXPECT_TRUE(std::any_of(metadata.begin(), metadata.end(),
                             [](const auto& entry) { return entry.first == "dapple:incomplete"; }));

@@ -34,9 +34,9 @@ public:
                 PixelSample sample(0);
                 sample.add(Vec3(static_cast<float>(context.pass + 1)), PathClass::direct, LightGroup(0u));
                 film.add_pixel(Int2(x, y), sample, 1);
+                ++context.statistics.eye_paths;
             }
         }
-        ++context.statistics.eye_paths;
     }
 };
 
@@ -74,8 +74,8 @@ TEST_F(RenderJobTest, ReturnsTheMeanOfAllPasses)
 {
     const RenderResult result = render(StopRule{3, 0});
     EXPECT_EQ(result.passes, 3u);
-    EXPECT_EQ(result.eye_paths, 3u);
-    EXPECT_FALSE(result.incomplete);
+    EXPECT_EQ(result.eye_paths, 3u * image_size * image_size);
+    EXPECT_EQ(result.incomplete, "");
     EXPECT_EQ(result.reason, "all passes done");
     EXPECT_FLOAT_EQ(result.image.at(0, 0, 0), 2.0f);
     EXPECT_FLOAT_EQ(result.image.at(3, 3, 0), 2.0f);
@@ -104,7 +104,7 @@ TEST_F(RenderJobTest, SecondRequestReturnsTheLastWholeImage)
     };
     const RenderResult result = render(StopRule{100, 0});
     EXPECT_EQ(result.passes, 1u);
-    EXPECT_FALSE(result.incomplete);
+    EXPECT_EQ(result.incomplete, "");
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(0, y, 0), 1.0f) << y;
 }
 
@@ -116,7 +116,7 @@ TEST_F(RenderJobTest, CancelledFirstPassIsMarkedIncomplete)
         wait_for_cancel(context);
     };
     const RenderResult result = render(StopRule{100, 0});
-    EXPECT_TRUE(result.incomplete);
+    EXPECT_NE(result.incomplete, "");
     EXPECT_EQ(result.passes, 0u);
     EXPECT_FLOAT_EQ(result.image.at(0, 0, 0), 1.0f);
     EXPECT_FLOAT_EQ(result.image.at(0, 3, 0), 0.0f);
@@ -156,11 +156,36 @@ TEST_F(RenderJobTest, CutsAPassWhenTimeIsUp)
     const RenderResult result = render(StopRule{0, 0.5});
     EXPECT_EQ(result.passes, 4u);
     EXPECT_EQ(result.passes_lost, 0u);
-    EXPECT_FALSE(result.incomplete);
+    EXPECT_EQ(result.incomplete, "");
     EXPECT_FALSE(result.film_whole);
     EXPECT_GE(result.seconds, 0.5);  // not a matter of luck: nothing but the time ends the pass
     EXPECT_EQ(result.reason, "time is up, with 50 % of another pass");
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), y < image_size / 2 ? 3.0f : 2.5f);
+}
+
+// The first pass, too, once it has reached all parts of the image; what it did not reach shows what is next to it.
+TEST_F(RenderJobTest, CutsTheFirstPassWhenTimeIsUp)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.work = wait_for_cancel;
+    const RenderResult result = render(StopRule{0, 0.2});
+    EXPECT_EQ(result.passes, 0u);
+    EXPECT_FALSE(result.film_whole);
+    EXPECT_EQ(result.reason, "time is up, with 50 % of the first pass");
+    EXPECT_NE(result.incomplete, "");
+    for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), 1.0f) << y;
+}
+
+TEST_F(RenderJobTest, DoesNotCutTheFirstPassBeforeItsFirstRound)
+{
+    integrator_.eye_samples_alone = true;
+    integrator_.before_pixels = [](const PassContext& context) {
+        EXPECT_EQ(context.coarse_to_fine, context.pass == 0);
+        if (context.pass == 0) sleep_ms(300);
+    };
+    const RenderResult result = render(StopRule{0, 0.1});
+    EXPECT_EQ(result.incomplete, "");
+    EXPECT_EQ(result.passes, 1u);
 }
 
 TEST_F(RenderJobTest, KeepsACutPassOfASecondRequest)
