@@ -23,11 +23,13 @@ int inspect_scene(const std::string& path, const std::string& integrator)
     CompileReport report;
     const std::unique_ptr<World> world = compile(description, &report);
 
+    const bool suits = knows_media(*choice.entry, *world);
+    const std::unique_ptr<Integrator> chosen = suits ? choice.entry->create(*world, choice.settings) : nullptr;
     fmt::print("{}\n", path);
-    for (const std::string& line : inspect(description, *world, report, choice)) fmt::print("{}\n", line);
+    for (const std::string& line : inspect(description, *world, report, choice, chosen.get())) fmt::print("{}\n", line);
     for (const std::string& note : choice.notes) fmt::print("note          {}\n", note);
-    if (world->has_scattering_media && !choice.entry->media)
-        fmt::print("not supported integrator '{}' does not handle the scattering media of this scene\n",
+    if (!suits)
+        fmt::print("not supported integrator '{}' does not know media that scatter or emit, which this scene has\n",
                    choice.entry->name);
     std::vector<std::string> warnings = description.warnings;
     const std::vector<std::string> logged = logged_warnings();

@@ -218,6 +218,18 @@ class CommandLine(unittest.TestCase):
         self.assertIn("% of photons", text)
         self.assertIn("warnings      none", text)
 
+    def test_inspect_tells_memory_and_what_suits(self):
+        scenes = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+        for scene, suits in (("glass-caustic", r"suits +photonmap, .*vcm: \d+ % of the light is caustics"),
+                             ("fog", r"suits +path, lightpath, bdpt, vcm: media scatter"),
+                             ("shapes", r"suits +path: no caustics")):
+            self.assertRegex(self.dapple("inspect", scenes / (scene + ".pbrt")).stdout, suits)
+        for integrator, memory in (("path", r"film [\d.]+ MiB\n"), ("photonmap", r", about [\d.]+ MiB for photon maps\n"),
+                                   ("sppm", r", about [\d.]+ MiB for photon maps\n"),
+                                   ("vcm", r", about [\d.]+ MiB for light paths\n"),
+                                   ("photonsplat", r", the pixels' points [\d.]+ MiB\n")):
+            self.assertRegex(self.dapple("inspect", scenes / "glass-caustic.pbrt", "-i", integrator).stdout, memory)
+
     def test_doctor_finds_all_well(self):
         self.assertIn("All is well.", self.dapple("doctor").stdout)
 

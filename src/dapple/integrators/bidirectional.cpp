@@ -97,7 +97,7 @@ public:
     void render_pass(const PassContext& context, Film& film) override
     {
         const ColorModel model = film.settings().color_model;
-        const LightSubpathPlan light = light_plan(context, film);
+        const LightSubpathPlan light = light_plan(context, film.settings());
         BidirectionalPlan plan = plan_;
         plan.rules = light.rules;
         const LightSubpaths subpaths(context, model, film.resolution(), light,
@@ -124,6 +124,18 @@ public:
         return plan_.merging ? progressive_shrinkage(int64_t(pass) + 1) : 0.0;
     }
 
+    PassMemory pass_memory(const PassContext& context, const FilmSettings& film) const override
+    {
+        if (!plan_.stores()) return {};
+        LightSubpathPlan pilot = light_plan(context, film);
+        const int64_t paths = pilot.paths;
+        pilot.paths = std::min<int64_t>(paths, 8192);
+        const LightSubpaths subpaths(context, film.color_model, film.resolution, pilot,
+                                     [](const LightSubpaths&, int64_t, const LightArrival&) {});
+        const double share = static_cast<double>(paths) / static_cast<double>(pilot.paths);
+        return {share * static_cast<double>(subpaths.memory_bytes()), "light paths"};
+    }
+
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines;
@@ -138,14 +150,14 @@ public:
     }
 
 private:
-    LightSubpathPlan light_plan(const PassContext& context, const Film& film) const
+    LightSubpathPlan light_plan(const PassContext& context, const FilmSettings& film) const
     {
         LightSubpathPlan light;
         light.stored = plan_.stores();
-        const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
+        const int64_t pixels = int64_t(film.resolution.x) * film.resolution.y;
         light.paths = light_paths_ > 0 ? light_paths_ : light.stored ? std::min(pixels, most_paths) : pixels;
         if (light.stored && memory_ > 0) light.paths = std::clamp<int64_t>(memory_ / bytes_per_path, 1, light.paths);
-        const bool jitters = film.settings().color_model == ColorModel::spectral;
+        const bool jitters = film.color_model == ColorModel::spectral;
         light.wavelength_sets = !plan_.merging ? 0 : jitters ? wavelength_sets_ : 1;
         light.max_depth = plan_.max_depth;
         light.merging = plan_.merging;
@@ -158,7 +170,7 @@ private:
         }
         light.rules = plan_.rules;
         // Splats are filtered: they would be another measurement than eye paths through the middle of each pixel.
-        if (film.settings().pixel_centers && plan_.rules.direct) light.rules.camera = false;
+        if (film.pixel_centers && plan_.rules.direct) light.rules.camera = false;
         light.rules.light_paths = static_cast<double>(light.paths);
         return light;
     }

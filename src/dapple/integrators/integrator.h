@@ -38,6 +38,12 @@ struct PassContext {
 
 class TechniqueFilms;
 
+// What passes keep in memory beside the film.
+struct PassMemory {
+    double bytes = 0.0;
+    std::string_view of;  // "photon maps", ...
+};
+
 class Integrator {
 public:
     virtual ~Integrator() = default;
@@ -56,6 +62,9 @@ public:
     // a progressive estimate, say, in (0, 1]. The same for correlated passes. 0: nothing fades (no bias, or all of it
     // stays).
     virtual double bias_scale(uint32_t /*pass*/) const { return 0.0; }
+    // About what a pass for such a film keeps (IntegratorEntry::bytes_per_pixel apart), from a few thousand light
+    // paths.
+    virtual PassMemory pass_memory(const PassContext& /*context*/, const FilmSettings& /*film*/) const { return {}; }
 };
 
 // One line of the registry: everything the command line, the docs and the tests need to know of an algorithm.

@@ -116,6 +116,16 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
     if (plan_.merging && !context.cancelled()) build_maps();
 }
 
+size_t LightSubpaths::memory_bytes() const
+{
+    size_t bytes = 0;
+    for (const Chunk& chunk : chunks_)
+        bytes += chunk.vertices.size() * sizeof(LightVertex) + chunk.bsdfs.size() * sizeof(Bsdf) +
+                 chunk.end.size() * sizeof(uint32_t);
+    for (const Map& map : maps_) bytes += map.photons.size() * sizeof(MergePhoton) + map.tree.memory_bytes();
+    return bytes;
+}
+
 size_t LightSubpaths::set_of(int64_t path) const
 {
     if (plan_.wavelength_sets <= 1) return 0;

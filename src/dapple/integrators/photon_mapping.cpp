@@ -62,6 +62,10 @@ public:
 
     uint32_t correlated_passes() const override { return epochs_.correlated_passes(); }
     double bias_scale(uint32_t pass) const override { return epochs_.bias_scale(pass); }
+    PassMemory pass_memory(const PassContext& context, const FilmSettings& film) const override
+    {
+        return epochs_.memory(context, film);
+    }
 
     std::vector<std::string> report() const override
     {

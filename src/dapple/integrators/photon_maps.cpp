@@ -40,7 +40,7 @@ void refuse_media(const World& world, std::string_view integrator)
                         " does not know media that scatter or emit yet; use vcm, bdpt, path or lightpath");
 }
 
-void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)
+double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, ColorModel model)
 {
     PhotonRequest request;
     request.wavelengths = wavelengths_of_set(model, context.seed, 0, 0, plan.wavelength_sets);
@@ -48,6 +48,7 @@ void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel mo
     request.stream = hash_words(static_cast<uint64_t>(StreamPurpose::photon), uint64_t(0xffffffff));
     request.paths = 8192;
     request.max_depth = plan.max_depth;
+    request.keep_direct = plan.keep_direct;
     double photons = 0.0, caustic = 0.0;
     for (const auto& batch : trace_photons(context.world, request))
         for (const Photon& photon : batch) {
@@ -61,7 +62,12 @@ void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel mo
     // with room to grow, and what sorting takes (photon_map.h).
     const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 28) : 0.0);
     const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
-    const double share = static_cast<double>(bytes) / std::max(stored * (kept + building), 1.0);
+    return stored * (kept + building);
+}
+
+void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)
+{
+    const double share = static_cast<double>(bytes) / std::max(photon_map_bytes(plan, context, model), 1.0);
     if (share >= 1.0) return;
     plan.global_paths = std::max<int64_t>(plan.wavelength_sets, static_cast<int64_t>(plan.global_paths * share));
     plan.caustic_paths = static_cast<int64_t>(plan.caustic_paths * share);
@@ -132,12 +138,12 @@ PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse 
     refuse_media(world, integrator);
 }
 
-PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) const
+PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const FilmSettings& film) const
 {
     PhotonMapPlan plan;
-    const int64_t pixels = int64_t(film.resolution().x) * film.resolution().y;
+    const int64_t pixels = int64_t(film.resolution.x) * film.resolution.y;
     plan.global_paths = paths_ > 0 ? paths_ : std::clamp<int64_t>(pixels, 100'000, 1'000'000);
-    plan.wavelength_sets = film.settings().color_model == ColorModel::spectral ? wavelength_sets_ : 1;
+    plan.wavelength_sets = film.color_model == ColorModel::spectral ? wavelength_sets_ : 1;
     if (moving_) {
         const int still_sets = plan.wavelength_sets;
         plan.one_time_per_set = true;
@@ -150,10 +156,15 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const Film& film) c
     plan.max_depth = max_depth_;
     // Irradiance does not remember which light it came from.
     plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&
-                                 irradiance_bandwidth_.nearest > 0 && film.settings().light_groups.empty();
+                                 irradiance_bandwidth_.nearest > 0 && film.light_groups.empty();
     plan.irradiance_bandwidth = irradiance_bandwidth_;
-    if (memory_ > 0) limit_memory(plan, context, film.settings().color_model, memory_);
+    if (memory_ > 0) limit_memory(plan, context, film.color_model, memory_);
     return plan;
+}
+
+PassMemory PhotonEpochs::memory(const PassContext& context, const FilmSettings& film) const
+{
+    return {photon_map_bytes(plan(context, film), context, film.color_model), "photon maps"};
 }
 
 std::vector<std::string> PhotonEpochs::report() const
@@ -174,7 +185,7 @@ std::shared_ptr<const PhotonEpoch> PhotonEpochs::of(const PassContext& context, 
     made->seed = context.seed;
     made->index = index;
     made->shrinkage = static_cast<float>(std::sqrt(bias_scale(context.pass)));
-    made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film), index);
+    made->maps = trace_photon_maps(context, film.settings().color_model, plan(context, film.settings()), index);
     if (!context.cancelled()) epoch_ = made;
     return made;
 }

@@ -63,6 +63,7 @@ struct PhotonMapPlan {
     int wavelength_sets = 4;    // 1 in the rgb model where nothing moves
     bool one_time_per_set = false;
     int max_depth = 100;
+    bool keep_direct = true;  // as PhotonRequest's, for the count of photons
     bool precompute_irradiance = false;
     Bandwidth irradiance_bandwidth;
 };
@@ -118,8 +119,10 @@ private:
 // Throws UserError where the world has media that photon maps do not know; `integrator` is named there.
 void refuse_media(const World& world, std::string_view integrator);
 
-// Lowers the numbers of paths until the maps of an epoch, and what building them takes, fit into `bytes`. Photons per
-// path are counted on a pilot of a few thousand paths, the same for every epoch.
+// Bytes of the maps of an epoch, with what building them takes. Photons per path are counted on a pilot of a few
+// thousand paths, the same for every epoch.
+double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, ColorModel model);
+// Lowers the numbers of paths until these are at most `bytes`.
 void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes);
 
 std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorModel model, const PhotonMapPlan& plan,
@@ -150,11 +153,12 @@ public:
     // What Integrator asks for: passes per epoch, and the squared caustic radius relative to that of the first epoch.
     uint32_t correlated_passes() const { return epoch_passes_; }
     double bias_scale(uint32_t pass) const;
+    PassMemory memory(const PassContext& context, const FilmSettings& film) const;
     // The epoch of the context's pass: a pure function of world, settings, seed and that epoch's number. Thread-safe.
     std::shared_ptr<const PhotonEpoch> of(const PassContext& context, const Film& film);
 
 private:
-    PhotonMapPlan plan(const PassContext& context, const Film& film) const;
+    PhotonMapPlan plan(const PassContext& context, const FilmSettings& film) const;
 
     MapUse use_;
     int64_t paths_;          // 0: auto

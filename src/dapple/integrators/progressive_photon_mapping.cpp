@@ -44,7 +44,8 @@ public:
     void render_pass(const PassContext& context, Film& film) override
     {
         const ColorModel model = film.settings().color_model;
-        const std::vector<PassSet> sets = settings_.sets_of_pass(context, model, paths(context, film));
+        const std::vector<PassSet> sets =
+            settings_.sets_of_pass(context, model, plan(context, film.settings()).global_paths);
         // A test wants photons apart from those of the estimate: other sets', or two halves of a lone set.
         const size_t parts = radius_test_ && sets.size() == 1 ? 2 : 1;
         std::vector<PhotonMap> maps;  // those of a set side by side
@@ -72,17 +73,21 @@ public:
     std::vector<std::string> report() const override { return report_; }
     double bias_scale(uint32_t pass) const override { return settings_.shrinkage(pass); }
 
-private:
-    int64_t paths(const PassContext& context, const Film& film) const
+    PassMemory pass_memory(const PassContext& context, const FilmSettings& film) const override
     {
-        const int64_t wanted = settings_.paths(film.resolution(), film.settings().color_model);
-        if (memory_ == 0) return wanted;
+        return {photon_map_bytes(plan(context, film), context, film.color_model), "photon maps"};
+    }
+
+private:
+    PhotonMapPlan plan(const PassContext& context, const FilmSettings& film) const
+    {
         PhotonMapPlan plan;
-        plan.global_paths = wanted;
-        plan.wavelength_sets = settings_.sets(film.settings().color_model);
+        plan.global_paths = settings_.paths(film.resolution, film.color_model);
+        plan.wavelength_sets = settings_.sets(film.color_model);
         plan.max_depth = settings_.max_depth();
-        limit_memory(plan, context, film.settings().color_model, memory_);
-        return plan.global_paths;
+        plan.keep_direct = false;
+        if (memory_ > 0) limit_memory(plan, context, film.color_model, memory_);
+        return plan;
     }
 
     // The mean of the estimates from the maps [begin, end).

@@ -1,6 +1,7 @@
 // A dry run in words.
 #include "dapple/render/inspect.h"
 
+#include "dapple/integrators/light_survey.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
 #include "dapple/render/memory.h"
@@ -76,7 +77,27 @@ void add_lights(std::vector<std::string>& lines, const World& world)
     if (lights.empty()) lines.push_back("  the image will be black");
 }
 
+// Which algorithms find what there is to find: photons find caustics, and the registry says who gathers them and who
+// knows media.
+std::string what_suits(const World& world)
+{
+    const double caustics = caustic_share(world);
+    std::string names, why = world.has_scattering_media ? "media scatter" : "";
+    for (const IntegratorEntry& entry : integrator_registry())
+        if (knows_media(entry, world) && (entry.photon_layers || !(caustics > 0.0)))
+            names.append(names.empty() ? "" : ", ").append(entry.name);
+    if (caustics > 0.0)
+        why += fmt::format("{}{:.2g} % of the light is caustics, of which path finds those of large lamps alone",
+                           why.empty() ? "" : ", and ", 100 * caustics);
+    return why.empty() ? "path: no caustics, no media that scatter" : names + ": " + why;
+}
+
 }  // namespace
+
+bool knows_media(const IntegratorEntry& entry, const World& world)
+{
+    return entry.media || !(world.has_scattering_media || world.has_emitting_media);
+}
 
 std::vector<LightSummary> summarise_lights(const World& world)
 {
@@ -108,7 +129,7 @@ std::vector<LightSummary> summarise_lights(const World& world)
 }
 
 std::vector<std::string> inspect(const scene::Description& description, const World& world, const CompileReport& report,
-                                 const IntegratorChoice& choice)
+                                 const IntegratorChoice& choice, const Integrator* integrator)
 {
     std::vector<std::string> lines;
     const scene::Film& film = description.film;
@@ -133,11 +154,18 @@ std::vector<std::string> inspect(const scene::Description& description, const Wo
     lines.push_back("materials     " + material_counts(description));
     lines.push_back("media         " + medium_counts(description));
     add_lights(lines, world);
+    lines.push_back("suits         " + what_suits(world));
     const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
-    lines.push_back(fmt::format("memory        {}: geometry {}, ray tracing {}, textures {}, media {}, film {}",
-                                size(scene_bytes(report) + film_bytes(settings)), size(report.geometry_bytes),
-                                size(report.accelerator_bytes), size(report.texture_bytes), size(report.medium_bytes),
-                                size(film_bytes(settings))));
+    Statistics statistics;
+    const PassMemory pass = integrator ? integrator->pass_memory({world, 0, 0, statistics}, settings) : PassMemory();
+    const auto pass_bytes = static_cast<uint64_t>(pass.bytes);
+    const uint64_t points = pixel_count(settings) * choice.entry->bytes_per_pixel;
+    lines.push_back(fmt::format("memory        {}: geometry {}, ray tracing {}, textures {}, media {}, film {}{}{}",
+                                size(scene_bytes(report) + film_bytes(settings) + pass_bytes + points),
+                                size(report.geometry_bytes), size(report.accelerator_bytes), size(report.texture_bytes),
+                                size(report.medium_bytes), size(film_bytes(settings)),
+                                pass_bytes > 0 ? fmt::format(", about {} for {}", size(pass_bytes), pass.of) : "",
+                                points > 0 ? fmt::format(", the pixels' points {}", size(points)) : ""));
     lines.push_back(fmt::format(
         "compiling     {:.2f} s: textures {:.2f} s, shapes {:.2f} s, ray tracing {:.2f} s, lights {:.2f} s",
         report.seconds_textures + report.seconds_shapes + report.seconds_accelerator + report.seconds_lights,

@@ -22,8 +22,12 @@ struct LightSummary {
 // In the order of decreasing share.
 std::vector<LightSummary> summarise_lights(const World& world);
 
-// Lines of text: film, camera, geometry, materials, media, lights, memory, times, what is not supported.
+// Lines of text: film, camera, geometry, materials, media, lights, which algorithms suit, memory, times. `integrator`:
+// the one chosen, for what its passes keep in memory; null if it cannot render this world.
 std::vector<std::string> inspect(const scene::Description& description, const World& world, const CompileReport& report,
-                                 const IntegratorChoice& choice);
+                                 const IntegratorChoice& choice, const Integrator* integrator);
+
+// Whether the algorithm renders what the media of this world do.
+bool knows_media(const IntegratorEntry& entry, const World& world);
 
 }  // namespace dapple

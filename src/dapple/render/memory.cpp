@@ -9,15 +9,12 @@
 #include <algorithm>
 
 namespace dapple {
-namespace {
 
-uint64_t pixels(const FilmSettings& settings)
+uint64_t pixel_count(const FilmSettings& settings)
 {
     const Int2 size = settings.crop_max - settings.crop_min;
     return static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y);
 }
-
-}  // namespace
 
 uint64_t film_bytes(const FilmSettings& settings)
 {
@@ -26,7 +23,7 @@ uint64_t film_bytes(const FilmSettings& settings)
                               3 * settings.light_groups.size() + (settings.guide_layers ? 10 : 0) +
                               (settings.photon_layers ? 2 : 0);
     const uint64_t errors = settings.error_layer ? (settings.fading_bias ? 3 : 2) : 0;
-    return pixels(settings) * (channels + errors) * 16;
+    return pixel_count(settings) * (channels + errors) * 16;
 }
 
 uint64_t scene_bytes(const CompileReport& report)
@@ -41,7 +38,7 @@ void check_memory(uint64_t limit, const CompileReport& report, const FilmSetting
     const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
     const uint64_t scene = scene_bytes(report);
     const uint64_t film = film_bytes(settings) / 4 * 5;
-    const uint64_t points = pixels(settings) * choice.entry->bytes_per_pixel;
+    const uint64_t points = pixel_count(settings) * choice.entry->bytes_per_pixel;
     const uint64_t fixed = program_bytes + scene + film + points + techniques;
     if (fixed >= limit)
         throw UserError(fmt::format(

@@ -13,6 +13,9 @@ namespace dapple {
 // for photons, and with it the image, depends on nothing else (measured with a tiny scene: 141 MiB).
 inline constexpr uint64_t program_bytes = uint64_t{144} << 20;
 
+// Pixels of the crop window.
+uint64_t pixel_count(const FilmSettings& settings);
+
 // Bytes of the film's sums (128 bits per pixel and channel), at most: layers that stay black take none.
 uint64_t film_bytes(const FilmSettings& settings);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dapple/base/parallel.h"
+#include "dapple/integrators/light_survey.h"
 #include "dapple/transport/emission.h"
 #include "dapple/transport/photon_tracing.h"
 #include "dapple/world/compile.h"
@@ -110,6 +111,22 @@ TEST(PhotonMaps, AnEpochDependsOnItsNumberAlone)
     EXPECT_EQ(digest(3), alone);
     EXPECT_NE(digest(2), alone);
     set_thread_count(threads);
+}
+
+TEST(LightSurvey, TellsLightThroughGlassFromOther)
+{
+    scene::Description description = grey_box(0.5f);
+    EXPECT_EQ(caustic_share(*compile(description)), 0.0);
+    scene::Material glass;
+    glass.kind = scene::ThinDielectricMaterial{};
+    description.materials.push_back(glass);
+    scene::Shape bulb = description.shapes[0];
+    auto smaller = std::make_shared<scene::MeshData>(*std::get<scene::Mesh>(bulb.geometry).data);
+    for (Vec3& position : smaller->positions) position *= 0.6f;
+    bulb.geometry = scene::Mesh{smaller};
+    bulb.material = scene::MaterialIndex(1u);
+    description.shapes.push_back(bulb);
+    EXPECT_EQ(caustic_share(*compile(description)), 1.0);
 }
 
 TEST(PhotonMaps, KeepToTheMemoryCeiling)

@@ -1,0 +1,30 @@
+#include "dapple/integrators/light_survey.h"
+
+#include "dapple/integrators/wavelength_sets.h"
+#include "dapple/transport/emission.h"
+#include "dapple/transport/photon_tracing.h"
+
+namespace dapple {
+
+double caustic_share(const World& world)
+{
+    constexpr int64_t paths = 8192;
+    constexpr int most_deltas = 100;
+    double all = 0.0, caustic = 0.0;
+    for (int64_t path = 0; path < paths; ++path) {
+        RandomStream random = light_path_stream(0, static_cast<uint64_t>(StreamPurpose::photon), path);
+        const Wavelengths wavelengths = choose_wavelengths(ColorModel::spectral, random.next());
+        Walk walk;
+        Departure departure;
+        if (!emit(world, path_start(wavelengths, random.next_2d()), random, walk, departure)) continue;
+        const Vertex* vertex = walk.next(world, random);
+        while (vertex && vertex->is_delta() && walk.depth() < most_deltas) vertex = walk.next(world, random);
+        if (!vertex || vertex->is_delta()) continue;
+        const double light = walk.carried().throughput.average();
+        all += light;
+        if (walk.depth() > 1) caustic += light;
+    }
+    return all > 0.0 ? caustic / all : 0.0;
+}
+
+}  // namespace dapple
