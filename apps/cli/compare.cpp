@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 #include <memory>
 
@@ -88,8 +89,9 @@ int compare_exactly(const Options& options)
     const size_t channels = a.channel_names.size();
     std::vector<size_t> differing(channels, 0);
     size_t total = 0;
+    const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
     for (size_t i = 0; i < a.image.pixels.size(); ++i)
-        if (std::memcmp(&a.image.pixels[i], &b.image.pixels[i], sizeof(float)) != 0) ++differing[i % channels], ++total;
+        if (bits(a.image.pixels[i]) != bits(b.image.pixels[i])) ++differing[i % channels], ++total;
     if (total == 0) {
         fmt::print("the same bits in all {} channels\n", channels);
         return 0;

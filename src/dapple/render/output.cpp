@@ -4,6 +4,7 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -158,7 +159,7 @@ std::string write_outputs(const RenderResult& result, const RenderRecord& record
         std::string why;
         std::erase_if(left, [&](const std::string& path) {
             const std::string error = writer.write(path);
-            if (!error.empty()) why += (why.empty() ? "" : "; ") + error;
+            if (!error.empty()) why.append(why.empty() ? "" : "; ").append(error);
             return error.empty();
         });
         if (left.empty()) return "";
@@ -166,7 +167,7 @@ std::string write_outputs(const RenderResult& result, const RenderRecord& record
         const std::string image = rescuer.rescue(".exr");
         const std::string state = with_state && !image.empty() ? rescuer.rescue(state_ending) : "";
         if (!image.empty() && (!with_state || !state.empty()))
-            return why + "; the render was saved as " + image + (with_state ? " and " + state : "");
+            return fmt::format("{}; the render was saved as {}{}{}", why, image, with_state ? " and " : "", state);
         const std::vector<double>& pauses = options.retry_pauses;
         if (pauses.empty() || (attempt >= pauses.size() && !options.requests)) return why;
         const double pause = pauses[std::min(attempt, pauses.size() - 1)];
