@@ -1,6 +1,7 @@
 #include "dapple/density/irradiance_map.h"
 
 #include "dapple/base/parallel.h"
+#include "dapple/base/path_class.h"
 
 namespace dapple {
 
@@ -15,13 +16,29 @@ FindPhotons find_photons_within(const Bandwidth& bandwidth)
     };
 }
 
-IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const FindPhotons& find, uint32_t stride)
+float weight_of_own_photon(KernelKind kernel, float records)
 {
+    constexpr int steps = 256;
+    double weighed = 0.0, all = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        const float t = (static_cast<float>(i) + 0.5f) / steps;
+        const auto gap = static_cast<double>(t * std::erfc(0.5f * std::sqrt(records) * t));
+        weighed += gap * static_cast<double>(kernel_disc(kernel, t));
+        all += gap;
+    }
+    return static_cast<float>(weighed / all) / kernel_disc(kernel, 0.0f);
+}
+
+IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, const FindPhotons& find, uint32_t stride)
+{
+    const int nearest_count = std::max(bandwidth.nearest, 2);
+    const float own_weight =
+        weight_of_own_photon(bandwidth.kernel, static_cast<float>(nearest_count - 1) / static_cast<float>(stride));
     const uint32_t count = (map.size() + stride - 1) / stride;
     std::vector<Vec3> positions(count);
     std::vector<IrradianceRecord> records(count);
     parallel_for_ranges(count, 1024, [&](int64_t begin, int64_t end) {
-        NearestPoints nearest(std::max(nearest_count, 2));
+        NearestPoints nearest(nearest_count);
         std::vector<WeightedPhoton> found;
         for (int64_t i = begin; i < end; ++i) {
             const uint32_t slot = static_cast<uint32_t>(i) * stride;
@@ -30,7 +47,11 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, int nearest_count, const Find
             const EstimateSupport support = find(map, {map.position(slot), map.normal(slot)}, nearest, found);
             record.radius = support.radius;
             record.last = support.last;
-            for (const auto& [photon, weight] : found) record.irradiance += map.flux(photon) * weight;
+            const bool spread_evenly =
+                map.from_delta_light(slot) && map.path_class(slot) == static_cast<uint8_t>(PathClass::direct);
+            for (const auto& [photon, weight] : found)
+                record.irradiance +=
+                    map.flux(photon) * (photon == slot && !spread_evenly ? weight * own_weight : weight);
         }
     });
     std::vector<uint32_t> order;

@@ -23,7 +23,7 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
 
 IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global, const Bandwidth& bandwidth, float time)
 {
-    return IrradianceMap(global, bandwidth.nearest,
+    return IrradianceMap(global, bandwidth,
                          [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
                              std::vector<WeightedPhoton>& found) {
                              if (context.cancelled()) return EstimateSupport();

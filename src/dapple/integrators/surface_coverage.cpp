@@ -11,6 +11,7 @@ constexpr int further_points = 32;
 constexpr float golden_angle = 2.39996323f;
 constexpr int most_trials = 32;
 constexpr int looks_around = 3;
+constexpr float flat_tolerance = 0.01f;
 
 // Whether light goes straight on, or bent, and no photon is stored: boundaries of media and smooth glass.
 bool lets_light_through(const World& world, uint32_t geometry, const SurfacePoint& point)
@@ -80,10 +81,13 @@ public:
             const Vec3 offset = (frame_.s * std::cos(angle) + frame_.t * std::sin(angle)) * (t * radius_);
             SurfacePoint point;
             if (!meets_surface(region_.position + offset, point)) continue;
-            if (region_.side == PhotonSide::both || sees(point.position))
-                covered_ += weight;
-            else
+            if (region_.side != PhotonSide::both && !sees(point.position)) {
                 hidden_ = true;
+                continue;
+            }
+            // Just the point's own weight where the surface is nearly flat: then nothing more needs a look.
+            const float area = kernel_area(point, t, kernel);
+            covered_ += weight * (std::fabs(area - 1.0f) < flat_tolerance ? 1.0f : area);
         }
     }
 
@@ -110,28 +114,33 @@ public:
         return false;
     }
 
-    // The area [disc radius^2] of surface (seen, if asked for) over a unit of area of the disc round a point of it,
-    // weighed by what the kernel gives to a photon there over what it gives to the point: 0 where photons cannot count,
-    // 1 on a plane; what curvature adds beyond 1 is left out.
+    // kernel_area (of what is seen, if asked for) at a point of the disc: 0 where photons cannot count; what curvature
+    // adds beyond 1 is left out.
     float area_at(const Vec2& on_disc, KernelKind kernel, bool if_seen) const
     {
         const Vec3 offset = (frame_.s * on_disc.x + frame_.t * on_disc.y) * radius_;
         SurfacePoint point;
         if (!meets_surface(region_.position + offset, point)) return 0.0f;
         if (if_seen && !sees(point.position)) return 0.0f;
-        const float area = 1.0f / abs_dot(point.n_geometric, region_.normal);
-        const float height = dot(point.position - region_.position, region_.normal) / radius_;
-        const float squared = sqr(on_disc.x) + sqr(on_disc.y);
-        const float t = std::sqrt(std::max(squared + sqr(height), sqr(height * region_.inverse_flatness)));
-        if (!(t < 1.0f)) return 0.0f;
-        return std::min(area * detail::kernel_shape(kernel, t) / detail::kernel_shape(kernel, std::sqrt(squared)),
-                        1.0f);
+        return std::min(kernel_area(point, std::sqrt(sqr(on_disc.x) + sqr(on_disc.y)), kernel), 1.0f);
     }
 
     SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
     bool whole() const { return covered_ == all_; }
 
 private:
+    // The area [disc radius^2] of surface over a unit of area of the disc, `from_centre` [disc radius] away from its
+    // centre, weighed by what the kernel gives to a photon there over what it gives to the point of the disc: 1 on a
+    // plane; less on curved things, whose photons count as far as they are high (SurfaceRegion).
+    float kernel_area(const SurfacePoint& point, float from_centre, KernelKind kernel) const
+    {
+        const float height = dot(point.position - region_.position, region_.normal) / radius_;
+        const float t = std::sqrt(std::max(sqr(from_centre) + sqr(height), sqr(height * region_.inverse_flatness)));
+        if (!(t < 1.0f)) return 0.0f;
+        const float area = 1.0f / abs_dot(point.n_geometric, region_.normal);
+        return area * detail::kernel_shape(kernel, t) / detail::kernel_shape(kernel, from_centre);
+    }
+
     // Whether photons that count for the query could lie near a point of its tangent plane.
     bool meets_surface(const Vec3& p, SurfacePoint& point) const
     {
@@ -205,7 +214,7 @@ EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, c
     const SurfaceCoverage coverage = neighbourhood.coverage();
     if (coverage.something_hidden)
         std::erase_if(found, [&](const WeightedPhoton& p) { return !neighbourhood.sees(map.position(p.first)); });
-    if (coverage.share < 1.0f)
+    if (coverage.share != 1.0f)
         for (WeightedPhoton& photon : found) photon.second /= coverage.share;
     return support;
 }

@@ -85,16 +85,17 @@ TEST(PhotonGather, DoesNotFavourDensePhotons)
     const double irradiance = sampled / rays * pi / static_cast<double>(reflectance);
 
     constexpr uint32_t trials = 600;
+    const Bandwidth bandwidth{nearest, infinity, KernelKind::constant};
     const FindPhotons find = [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& scratch,
                                  std::vector<WeightedPhoton>& found) {
-        return find_covered_photons(*world, map, region, {nearest, infinity, KernelKind::constant}, scratch, found);
+        return find_covered_photons(*world, map, region, bandwidth, scratch, found);
     };
     for (const bool precomputed : {false, true})
         for (const double mean : {400.0, 850.0, 1700.0}) {
             double sum = 0.0, squares = 0.0;
             for (uint32_t trial = 0; trial < trials; ++trial) {
                 maps.global = photons_of_wall(trial, mean, irradiance);
-                maps.irradiance = precomputed ? IrradianceMap(maps.global, nearest, find) : IrradianceMap();
+                maps.irradiance = precomputed ? IrradianceMap(maps.global, bandwidth, find) : IrradianceMap();
                 const double ratio = gathered(*world, maps, trial) / sampled;
                 sum += ratio;
                 squares += ratio * ratio;

@@ -186,10 +186,9 @@ TEST(CoveredEstimates, AreExactOnABall)
     constexpr int trials = 100, photons = 2000;
     std::vector<WeightedPhoton> found;
     NearestPoints nearest(50);
-    for (const Bandwidth& bandwidth : {Bandwidth{50, infinity, KernelKind::epanechnikov},
-                                       Bandwidth{50, infinity, KernelKind::constant},
-                                       Bandwidth{0, 0.3f, KernelKind::epanechnikov},
-                                       Bandwidth{0, 0.6f, KernelKind::silverman}}) {
+    for (const Bandwidth& bandwidth :
+         {Bandwidth{50, infinity, KernelKind::epanechnikov}, Bandwidth{50, infinity, KernelKind::constant},
+          Bandwidth{0, 0.3f, KernelKind::epanechnikov}, Bandwidth{0, 0.6f, KernelKind::silverman}}) {
         double sum = 0.0, squares = 0.0;
         for (uint32_t trial = 0; trial < trials; ++trial) {
             const auto on_ball = [&](uint32_t i) {
