@@ -143,6 +143,28 @@ const Reference references[] = {
      10,
      false,
      "the reference's own colours are off by up to 1 % and both blur the caustic"},
+    {"cornell-box",
+     "cornell-box/pbrt/scene-v4.pbrt",
+     {256, 256},
+     "photonmap",
+     2,
+     {{"epoch", "2"}},
+     0.005,
+     0.02,
+     0,
+     false,
+     "blur of the global map in corners"},
+    {"staircase2",
+     "staircase2/pbrt/scene-v4.pbrt",
+     {256, 256},
+     "photonmap",
+     2,
+     {{"epoch", "2"}},
+     0.01,
+     0.05,
+     10,
+     false,
+     "blur of the global map among small things"},
 };
 
 std::optional<fs::path> shared_folder()
@@ -248,7 +270,7 @@ void expect_near(const Estimate& ours, const Estimate& theirs, double allowed, d
                        theirs.error, ours.mean / theirs.mean);
 }
 
-void PrintTo(const Reference& reference, std::ostream* out) { *out << reference.name; }
+void PrintTo(const Reference& reference, std::ostream* out) { *out << reference.name << ' ' << reference.integrator; }
 
 class References : public ::testing::TestWithParam<Reference> {};
 
@@ -305,7 +327,7 @@ TEST_P(References, AreMet)
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, References, ::testing::ValuesIn(references), [](const auto& test) {
-    std::string name = test.param.name;
+    std::string name = std::string(test.param.name) + "_" + test.param.integrator;
     for (char& c : name)
         if (c == '-') c = '_';
     return name;

@@ -5,9 +5,9 @@
 namespace dapple {
 namespace {
 
-constexpr float min_radius_pixels = 1.5f;
+constexpr float min_radius_pixels = 2.0f;
 constexpr float max_radius_pixels = 20.0f;
-constexpr int first_stride = 32, last_stride = 2;
+constexpr int first_stride = 32, last_stride = 4;
 
 // Where a record may be made.
 struct Place {
@@ -143,7 +143,7 @@ private:
         return made;
     }
 
-    // Indirect light that comes from a direction, and the distance of what is seen there.
+    // Indirect light of wide surfaces that comes from a direction, and the distance of what is seen there.
     Spectrum look(const Place& place, const PhotonMapSet& maps, const Vec3& direction, RandomStream& random,
                   float& distance) const
     {
@@ -156,7 +156,8 @@ private:
                       maps.time.value_or(place.time)};
         const int kept_lane = static_cast<int>(random.next_index(Spectrum::lanes));
         distance = gather.follow(Walk(ray, world_.medium_beyond(place.geometry, outside, place.medium),
-                                      TransportMode::radiance, maps.wavelengths, kept_lane, Spectrum(1.0f)));
+                                      TransportMode::radiance, maps.wavelengths, kept_lane, Spectrum(1.0f)),
+                                 GatherPart::from_wide);
         return radiance.sum;
     }
 

@@ -4,8 +4,9 @@
 //
 // Deterministic and parallel: pixels go in waves. All pixels of a wave ask the cache as the waves before left it, then
 // records are made for those without an answer, both in parallel; these are added in the order of the pixels. The waves
-// are the pixels of grids 32, 16, 8, 4 and 2 pixels wide, each in four parts, so that a record seldom stands beside one
-// of its own wave. Every record is a pure function of (world, seed, epoch, pixel).
+// are the pixels of grids 32, 16, 8 and 4 pixels wide, each in four parts, so that a record seldom stands beside one of
+// its own wave. Finer ones would cost more rays than the pixels gather that they serve: those gather for themselves.
+// Every record is a pure function of (world, seed, epoch, pixel).
 #pragma once
 
 #include "dapple/density/irradiance_cache.h"

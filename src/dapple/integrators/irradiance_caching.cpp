@@ -13,8 +13,12 @@
 // falls as the caustic radius does. With four wavelength sets a record has an irradiance of each, from a quarter of its
 // rays, and a pixel takes all four in turn: no tint. Bias: that of photonmap, and of interpolation (second order in the
 // accuracy). Shapes that move gather: records would stay behind. On those that stay a record has the light of each
-// set's time. Cost: a record takes `cacherays` gather rays, an eye path only its direct light and the look-up: of its
-// one ray it asks nothing but whether a light is there.
+// set's time. Cost: a record takes `cacherays` gather rays, an eye path only its direct light and the look-up: its one
+// ray ends at the first wide surface.
+//
+// Records hold the light that comes from wide surfaces. What glossy metal or glass throws on x comes from few
+// directions, is strong, and is found by chance: one such ray among those of a record would be a blotch as wide as the
+// record. The eye path's own ray, which looks for lights, finds it instead, anew in every pixel and pass.
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
 
@@ -119,7 +123,7 @@ private:
                 return true;
             }
             gather.add_direct(eye);
-            gather.add_direct_met(eye);
+            gather.follow(eye, GatherPart::from_narrow);
             note_support(sample, gather.add_caustics(eye));
             sample.add(eye.arriving() * vertex.bsdf.a * irradiance * inv_pi, PathClass::indirect, LightGroup(0u));
             return true;

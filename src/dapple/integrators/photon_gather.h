@@ -73,6 +73,10 @@ inline bool is_wide(const Bsdf& bsdf)
            bsdf.kind == BsdfKind::coated_diffuse;
 }
 
+// Which light a gather ray brings: what comes from wide surfaces (is_wide), from others, or all. The first surface that
+// is no delta decides; light that is met before it is none of the first part.
+enum class GatherPart { all, from_wide, from_narrow };
+
 // Adds light to a sink, which has add(const Spectrum& radiance, PathClass, LightGroup): a pixel's sample, or a sum.
 template <class Sink>
 class PhotonGather {
@@ -130,15 +134,6 @@ public:
         sink_.add(direct.radiance * share_, classify(met, {}), direct.group);
     }
 
-    // By one ray that scattering chooses: the other half of add_direct, where no gather rays are followed.
-    void add_direct_met(Walk walk)
-    {
-        if (walk.next(world_, random_))
-            add_emission(walk, true);
-        else
-            add_escaped(walk, true);
-    }
-
     EstimateSupport add_caustics(const Walk& walk)
     {
         const EstimateSupport support =
@@ -169,7 +164,7 @@ public:
 
     // One gather ray from the vertex of `walk`, until a vertex that the global map can stand for. Returns the distance
     // of the first surface that it meets [m].
-    float follow(Walk walk)
+    float follow(Walk walk, GatherPart part = GatherPart::all)
     {
         float first = infinity;
         float since_last = 0.0f;  // way since the last vertex that is no delta
@@ -179,6 +174,8 @@ public:
             if (!counted_elsewhere(walk)) add_emission(walk, true);
             if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
             if (!vertex->is_delta()) {
+                if (part != GatherPart::all && is_wide(vertex->bsdf) != (part == GatherPart::from_wide)) return first;
+                part = GatherPart::all;
                 // What a smooth coat mirrors is seen sharply, as from the eye.
                 if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last))
                     return first;

@@ -12,6 +12,8 @@ constexpr float golden_angle = 2.39996323f;
 constexpr int most_trials = 32;
 constexpr int looks_around = 3;
 constexpr float flat_tolerance = 0.01f;
+// Less is seen in cracks alone. Points of the spiral know such a share badly: the quotient would be a firefly.
+constexpr float least_share = 1.0f / 16.0f;
 
 // Whether light goes straight on, or bent, and no photon is stored: boundaries of media and smooth glass.
 bool lets_light_through(const World& world, uint32_t geometry, const SurfacePoint& point)
@@ -125,7 +127,10 @@ public:
         return std::min(kernel_area(point, std::sqrt(sqr(on_disc.x) + sqr(on_disc.y)), kernel), 1.0f);
     }
 
-    SurfaceCoverage coverage() const { return {covered_ > 0.0f ? covered_ / all_ : 1.0f, hidden_}; }
+    SurfaceCoverage coverage() const
+    {
+        return {covered_ > 0.0f ? std::max(covered_ / all_, least_share) : 1.0f, hidden_};
+    }
     bool whole() const { return covered_ == all_; }
 
 private:

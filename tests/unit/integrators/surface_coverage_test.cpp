@@ -12,35 +12,39 @@
 namespace dapple {
 namespace {
 
-// The square [-1, 1]^2 at z = 0, and a thin wall of height 1 on it along y = 0.
-std::unique_ptr<World> square_with_wall()
-{
-    scene::Description description;
-    description.materials.resize(1);
-    description.materials[0].kind = scene::DiffuseMaterial{scene::SpectrumInput(0.5f)};
-    auto data = std::make_shared<scene::MeshData>();
-    data->positions = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0),
-                       Vec3(-1, 0, 0),  Vec3(1, 0, 0),  Vec3(1, 0, 1), Vec3(-1, 0, 1)};
-    data->triangles = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
-    scene::Shape shape;
-    shape.geometry = scene::Mesh{data};
-    shape.material = scene::MaterialIndex(0u);
-    shape.name = "square";
-    description.shapes.push_back(shape);
-    return compile(std::move(description));
-}
-
-std::unique_ptr<World> unit_ball()
+std::unique_ptr<World> matte_world(decltype(scene::Shape::geometry) geometry)
 {
     scene::Description description;
     description.materials.resize(1);
     description.materials[0].kind = scene::DiffuseMaterial{scene::SpectrumInput(0.5f)};
     description.shapes.resize(1);
-    description.shapes[0].geometry = scene::Sphere{};
+    description.shapes[0].geometry = std::move(geometry);
     description.shapes[0].material = scene::MaterialIndex(0u);
-    description.shapes[0].name = "ball";
+    description.shapes[0].name = "shape";
     return compile(std::move(description));
 }
+
+// The square [-1, 1]^2 at z = 0, and a thin wall of height 1 on it along y = 0.
+std::unique_ptr<World> square_with_wall()
+{
+    auto data = std::make_shared<scene::MeshData>();
+    data->positions = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0),
+                       Vec3(-1, 0, 0),  Vec3(1, 0, 0),  Vec3(1, 0, 1), Vec3(-1, 0, 1)};
+    data->triangles = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    return matte_world(scene::Mesh{data});
+}
+
+// A strip along the x axis.
+std::unique_ptr<World> strip(float width)
+{
+    auto data = std::make_shared<scene::MeshData>();
+    const float y = 0.5f * width;
+    data->positions = {Vec3(-1, -y, 0), Vec3(1, -y, 0), Vec3(1, y, 0), Vec3(-1, y, 0)};
+    data->triangles = {0, 1, 2, 0, 2, 3};
+    return matte_world(scene::Mesh{data});
+}
+
+std::unique_ptr<World> unit_ball() { return matte_world(scene::Sphere{}); }
 
 SurfaceRegion at(float x, float y) { return {Vec3(x, y, 0.0f), Vec3(0, 0, 1)}; }
 
@@ -69,6 +73,20 @@ TEST(SurfaceCoverage, EndsAtAWall)
     const SurfaceCoverage foot = surface_coverage(*world, at(0.1f, 1e-4f), 0.2f, KernelKind::constant);
     EXPECT_TRUE(foot.something_hidden);
     EXPECT_NEAR(foot.share, 0.5f, 0.05f);
+}
+
+// On a sliver most points of the spiral miss. The estimate is divided by the share of those that do not, whatever it
+// is: one that hardly counts must not make a firefly of it (staircase2 had pixels a thousand times too bright).
+TEST(SurfaceCoverage, OfASliverIsNotNearZero)
+{
+    const auto world = strip(0.01f);
+    for (int i = 0; i < 500; ++i) {
+        const float share =
+            surface_coverage(*world, at(-0.25f + 0.001f * static_cast<float>(i), 0.0f), 0.5f, KernelKind::epanechnikov)
+                .share;
+        EXPECT_GE(share, 1.0f / 16.0f);
+        EXPECT_LE(share, 1.0f);
+    }
 }
 
 // The mean of many trials; 1 or more on a plane, and one trial where the disc is whole.
