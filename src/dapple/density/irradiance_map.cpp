@@ -1,5 +1,6 @@
 #include "dapple/density/irradiance_map.h"
 
+#include "dapple/base/assert.h"
 #include "dapple/base/parallel.h"
 #include "dapple/base/path_class.h"
 
@@ -31,7 +32,8 @@ float weight_of_own_photon(KernelKind kernel, float records)
 
 IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, const FindPhotons& find, uint32_t stride)
 {
-    const int nearest_count = std::max(bandwidth.nearest, 2);
+    DAPPLE_ASSERT(bandwidth.nearest >= 2);
+    const int nearest_count = bandwidth.nearest;
     const float own_weight =
         weight_of_own_photon(bandwidth.kernel, static_cast<float>(nearest_count - 1) / static_cast<float>(stride));
     const uint32_t count = (map.size() + stride - 1) / stride;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr float min_radius_pixels = 2.0f;
 constexpr float max_radius_pixels = 20.0f;
-constexpr int first_stride = 32, last_stride = 4;
+constexpr int first_stride = 32, least_stride = 2;
 
 // Where a record may be made.
 struct Place {
@@ -39,6 +39,7 @@ public:
           film_(film),
           epoch_(epoch),
           gathering_(gathering),
+          settings_(settings),
           moving_(moving),
           strata_(HemisphereStrata::of(settings.rays / static_cast<int>(epoch.maps.size()))),
           cache_(world_.bounds, static_cast<int>(epoch.maps.size()), settings.accuracy * epoch.shrinkage)
@@ -47,12 +48,15 @@ public:
 
     IrradianceCache make()
     {
-        for (int stride = first_stride; stride >= last_stride; stride /= 2)
+        for (int stride = first_stride; stride >= least_stride && pays(stride); stride /= 2)
             for (int part : {0, 3, 1, 2}) add_wave(stride, part & 1, part >> 1);
         return context_.cancelled() ? IrradianceCache() : std::move(cache_);
     }
 
 private:
+    // Whether a record of a grid takes no more rays than its pixels would.
+    bool pays(int stride) const { return stride * stride * settings_.pixel_rays >= settings_.rays; }
+
     // The pixels at the middle of the cells of a grid that are odd or even across and down.
     void add_wave(int stride, int odd_x, int odd_y)
     {
@@ -179,6 +183,7 @@ private:
     const Film& film_;
     const PhotonEpoch& epoch_;
     const GatherSettings& gathering_;
+    const OvertureSettings& settings_;
     const MovingShapes& moving_;
     const HemisphereStrata strata_;
     IrradianceCache cache_;

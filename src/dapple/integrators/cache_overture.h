@@ -4,9 +4,9 @@
 //
 // Deterministic and parallel: pixels go in waves. All pixels of a wave ask the cache as the waves before left it, then
 // records are made for those without an answer, both in parallel; these are added in the order of the pixels. The waves
-// are the pixels of grids 32, 16, 8 and 4 pixels wide, each in four parts, so that a record seldom stands beside one of
-// its own wave. Finer ones would cost more rays than the pixels gather that they serve: those gather for themselves.
-// Every record is a pure function of (world, seed, epoch, pixel).
+// are the pixels of grids 32, 16, 8, ... pixels wide, each in four parts, so that a record seldom stands beside one of
+// its own wave; down to where a record would take more rays than the pixels that it serves, which then gather for
+// themselves (4 pixels with default settings). Every record is a pure function of (world, seed, epoch, pixel).
 #pragma once
 
 #include "dapple/density/irradiance_cache.h"
@@ -16,6 +16,7 @@ namespace dapple {
 
 struct OvertureSettings {
     int rays = 256;         // per record, all wavelength sets together
+    int pixel_rays = 32;    // that a pixel without a record gathers in an epoch
     float accuracy = 0.2f;  // radius of a record over what limits it
 };
 

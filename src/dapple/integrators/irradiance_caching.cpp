@@ -18,7 +18,8 @@
 //
 // Records hold the light that comes from wide surfaces. What glossy metal or glass throws on x comes from few
 // directions, is strong, and is found by chance: one such ray among those of a record would be a blotch as wide as the
-// record. The eye path's own ray, which looks for lights, finds it instead, anew in every pixel and pass.
+// record. The eye path's own ray, which looks for lights, finds it instead, anew in every pixel and pass. (Glossy
+// things behind a wide surface that is too near for the map are in the records all the same.)
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
 
@@ -49,10 +50,12 @@ constexpr SettingInfo settings_table[] = {
 class IrradianceCaching final : public Integrator {
 public:
     IrradianceCaching(const World& world, const Settings& settings)
-        : overture_{static_cast<int>(settings.integer("cacherays")), static_cast<float>(settings.number("accuracy"))},
-          gather_rays_(static_cast<int>(settings.integer("gatherrays"))),
+        : gather_rays_(static_cast<int>(settings.integer("gatherrays"))),
           gather_settings_(settings),
           epochs_(world, settings, MapUse::global_and_caustic, "irradiancecache"),
+          overture_{static_cast<int>(settings.integer("cacherays")),
+                    gather_rays_ * static_cast<int>(epochs_.correlated_passes()),
+                    static_cast<float>(settings.number("accuracy"))},
           moving_(world)
     {
     }
@@ -130,10 +133,10 @@ private:
         });
     }
 
-    OvertureSettings overture_;
     int gather_rays_;
     GatherSettings gather_settings_;
     PhotonEpochs epochs_;
+    OvertureSettings overture_;
     MovingShapes moving_;
 
     std::mutex mutex_;

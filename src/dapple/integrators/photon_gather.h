@@ -24,6 +24,8 @@
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/connect.h"
 
+#include <limits>
+
 namespace dapple {
 
 // How estimates and gather rays are made. See the table of settings for each (photon_maps.h).
@@ -73,8 +75,8 @@ inline bool is_wide(const Bsdf& bsdf)
            bsdf.kind == BsdfKind::coated_diffuse;
 }
 
-// Which light a gather ray brings: what comes from wide surfaces (is_wide), from others, or all. The first surface that
-// is no delta decides; light that is met before it is none of the first part.
+// Which light a gather ray brings: all, or what comes from wide surfaces (is_wide) or from others. The first surface
+// that is no delta decides. Lamps that are met before it are added to any part, unless left out (begin_at_diffuse).
 enum class GatherPart { all, from_wide, from_narrow };
 
 // Adds light to a sink, which has add(const Spectrum& radiance, PathClass, LightGroup): a pixel's sample, or a sum.
@@ -124,7 +126,7 @@ public:
                       world_.lights.list[light.value].group);
     }
 
-    // By light sampling, with the MIS weight against what gather rays (or add_direct_met) meet.
+    // By light sampling, with the MIS weight against what follow() meets.
     void add_direct(const Walk& walk)
     {
         const DirectLight direct = direct_light(world_, walk, walk.vertex(), true, random_);
@@ -167,9 +169,12 @@ public:
     float follow(Walk walk, GatherPart part = GatherPart::all)
     {
         float first = infinity;
-        float since_last = 0.0f;  // way since the last vertex that is no delta
+        float since_last = 0.0f;                       // way since the last vertex that is no delta
+        int mapped = std::numeric_limits<int>::max();  // D's before the vertex where the map stood for all but what a
+                                                       // smooth coat mirrors
         while (const Vertex* vertex = walk.next(world_, random_)) {
             if (!(first < infinity)) first = vertex->distance;
+            if (events(walk).diffuse > mapped) return first;
             since_last += vertex->distance;
             if (!counted_elsewhere(walk)) add_emission(walk, true);
             if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
@@ -177,15 +182,18 @@ public:
                 if (part != GatherPart::all && is_wide(vertex->bsdf) != (part == GatherPart::from_wide)) return first;
                 part = GatherPart::all;
                 // What a smooth coat mirrors is seen sharply, as from the eye.
-                if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last))
-                    return first;
-                add_direct(walk);
-                add_caustics(walk);
-                since_last = 0.0f;
+                if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last)) {
+                    if (!vertex->has_delta_lobe()) return first;
+                    mapped = events(walk).diffuse;
+                } else {
+                    add_direct(walk);
+                    add_caustics(walk);
+                    since_last = 0.0f;
+                }
             }
             if (!walk.survive_roulette(random_)) return first;
         }
-        if (!counted_elsewhere(walk)) add_escaped(walk, true);
+        if (!counted_elsewhere(walk) && events(walk).diffuse <= mapped) add_escaped(walk, true);
         return first;
     }
 

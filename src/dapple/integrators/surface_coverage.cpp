@@ -12,7 +12,7 @@ constexpr float golden_angle = 2.39996323f;
 constexpr int most_trials = 32;
 constexpr int looks_around = 3;
 constexpr float flat_tolerance = 0.01f;
-// Less is seen in cracks alone. Points of the spiral know such a share badly: the quotient would be a firefly.
+// Of slivers and cracks. The spiral's points know smaller shares badly: their quotients would be fireflies.
 constexpr float least_share = 1.0f / 16.0f;
 
 // Whether light goes straight on, or bent, and no photon is stored: boundaries of media and smooth glass.
@@ -127,10 +127,7 @@ public:
         return std::min(kernel_area(point, std::sqrt(sqr(on_disc.x) + sqr(on_disc.y)), kernel), 1.0f);
     }
 
-    SurfaceCoverage coverage() const
-    {
-        return {covered_ > 0.0f ? std::max(covered_ / all_, least_share) : 1.0f, hidden_};
-    }
+    SurfaceCoverage coverage() const { return {std::max(covered_ / all_, least_share), hidden_}; }
     bool whole() const { return covered_ == all_; }
 
 private:
@@ -214,7 +211,7 @@ EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, c
     const EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
         found.push_back({slot, weight});
     });
-    if (found.empty()) return support;
+    if (found.empty() || !can_look_around(region, support.radius)) return support;
     const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel, time);
     const SurfaceCoverage coverage = neighbourhood.coverage();
     if (coverage.something_hidden)

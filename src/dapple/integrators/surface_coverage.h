@@ -9,8 +9,9 @@
 //
 // Cost: 32 short rays where the disc is whole, 96 where it is not, or is bent. Bias: the share has a relative error of
 // about 2 % at a straight edge, which the quotient turns into some 1e-3 of brightening there; mirrors that lie in the
-// plane of a matte surface count as covered; smooth glass neither covers nor hides. Objects that move are looked at
-// where they are at one time.
+// plane of a matte surface count as covered; smooth glass neither covers nor hides. A share is held at 1/16: what is
+// narrower than a tenth of the disc (wires and blades where photons are few) comes out too dark. Objects that move are
+// looked at where they are at one time.
 //
 // For estimates of which there are many (one per pixel and pass), the same by chance, for four rays where the disc is
 // whole. Points of the disc are drawn with the density of the kernel until one lies on the surface; their number N has
@@ -41,7 +42,7 @@ inline SurfaceRegion surface_region(const Vec3& position, const Bsdf& bsdf, cons
 }
 
 struct SurfaceCoverage {
-    float share = 1.0f;             // of the kernel's integral over the disc: above 0, and 1 on a plane
+    float share = 1.0f;             // of the kernel's integral over the disc: at least 1/16, and 1 on a plane
     bool something_hidden = false;  // part of the surface on the disc is not seen from the centre
 };
 

@@ -83,7 +83,7 @@ private:
                 result_.reason = std::string("stopped by an error in a pass: ") + error.what();
                 return;
             }
-            if (cancel_.load()) return;
+            if (cancel_.load() && !reached_all()) return;
             end_pass();
             estimate_error();
             for (PassObserver* observer : job_.observers) observer->after_pass(job_.film, counters());
@@ -91,6 +91,9 @@ private:
         result_.reason = why_ended();
         whole_ = true;
     }
+
+    // A pass that is cancelled at its end may be whole.
+    bool reached_all() const { return may_cut_ && job_.film.reached_part() == 1.0; }
 
     // Where the stop rule asks for an error and it is due. Whether it is depends on the pass alone, so a render that
     // was interrupted ends at the same pass.
@@ -256,7 +259,7 @@ private:
     {
         const char* why = cause_.load() == Cause::time ? "time is up" : "stopped at once by request";
         if (part > 0)
-            return fmt::format("{}, with {:.0f} % of {}", why, 100 * part,
+            return fmt::format("{}, with {:.0f} % of {}", why, std::floor(100 * part),
                                done() > 0 ? "another pass" : "the first pass");
         return std::string(why) + ", the last pass was given up";
     }
@@ -271,7 +274,7 @@ private:
         if (done() == 0)
             result_.incomplete = fmt::format(
                 "the first pass was cut short at {:.0f} %: pixels that it did not reach show their nearest neighbours",
-                100 * part);
+                std::floor(100 * part));
     }
 
     // Cancelled before there was any copy. The film holds `done` passes and a part of one more. Only when done is 0 is

@@ -66,5 +66,31 @@ TEST(Integrators, ShowTheSkyMirroredInACoat)
     EXPECT_NEAR(mean_of_render(*world, "photonmap", gathered, 256) / path, 1.0, 0.1);
 }
 
+// What a smooth coat mirrors is missed by estimates from photons on it: gather rays must go on by its delta lobe. A
+// floor under a sky, before a black wall whose varnish mirrors the floor and a white wall.
+TEST(Integrators, GatherWhatACoatMirrors)
+{
+    SmallScene scene = scene_seen_from_above(8);
+    const auto wall = [&](float x, scene::MaterialIndex material) {
+        scene::MeshData data;
+        data.positions = {{x, -4, 0}, {x, 4, 0}, {x, 4, 2}, {x, -4, 2}};
+        data.triangles = {0, 1, 2, 0, 2, 3};
+        scene.shape(scene::Mesh{std::make_shared<scene::MeshData>(std::move(data))}, material);
+    };
+    scene::CoatedDiffuseMaterial varnish;
+    varnish.reflectance = scene::SpectrumInput(0.0f);
+    varnish.coat.eta = scene::SpectrumSource(scene::Constant{3.0f});
+    const auto white = scene.material(scene::DiffuseMaterial{scene::SpectrumInput(0.8f)});
+    scene.square(0.0f, 4.0f, white);
+    wall(-1.0f, scene.material(varnish));
+    wall(1.0f, white);
+    scene.light(scene::InfiniteLight{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}});
+    const auto world = scene.world();
+    const double path = mean_of_render(*world, "path", {}, 400);
+    const Definitions few = {{"photons", "20000"}, {"epoch", "4"}};
+    for (const char* name : {"photonmap", "irradiancecache"})
+        EXPECT_NEAR(mean_of_render(*world, name, few, 64) / path, 1.0, 0.01) << name;
+}
+
 }  // namespace
 }  // namespace dapple

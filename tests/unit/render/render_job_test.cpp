@@ -181,7 +181,7 @@ TEST_F(RenderJobTest, DoesNotCutTheFirstPassBeforeItsFirstRound)
     integrator_.eye_samples_alone = true;
     integrator_.before_pixels = [](const PassContext& context) {
         EXPECT_EQ(context.coarse_to_fine, context.pass == 0);
-        if (context.pass == 0) sleep_ms(300);
+        if (context.pass == 0) sleep_ms(275);  // between two looks of the watcher
     };
     const RenderResult result = render(StopRule{0, 0.1});
     EXPECT_EQ(result.incomplete, "");
