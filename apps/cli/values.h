@@ -3,7 +3,7 @@
 #pragma once
 
 #include "commands.h"
-#include "dapple/integrators/settings.h"
+#include "dapple/base/ranges.h"
 
 #include <functional>
 #include <map>
@@ -15,7 +15,7 @@ namespace dapple::cli {
 using Take = std::function<void(const std::string& option, const std::string& text)>;
 void add_value(CLI::App& parser, const std::string& names, const std::string& kind, const std::string& help, Take take);
 
-// A number within a range such as "> 0" or "integer 1 to 4096" (forms: integrators/settings.cpp).
+// A number within a range such as "> 0" or "integer 1 to 4096" (forms: base/ranges.h).
 template <class Number>
 void add_number(CLI::App& parser, const std::string& names, Number& target, const std::string& range,
                 const std::string& help)

@@ -1,5 +1,4 @@
-// Settings of integrators: one table per integrator feeds the parser of -D, the help, the docs and the defaults. The
-// command line's numbers and words are read here, too.
+// Settings of integrators: one table per integrator feeds the parser of -D, the help, the docs and the defaults.
 #pragma once
 
 #include <map>
@@ -13,17 +12,9 @@ struct SettingInfo {
     std::string_view name;
     std::string_view unit;      // "", "scene units", "photons", ...
     std::string_view fallback;  // default as text; "auto" where it comes from the scene
-    std::string_view range;     // "> 0", "constant|cone|...", ...
+    std::string_view range;     // "> 0", "constant|cone|...": forms in base/ranges.h; "": any text
     std::string_view text;      // one sentence
 };
-
-// The number that a text stands for (0.5, 1e6, 500k, 2M, 1G), if it keeps the range (forms: head of settings.cpp).
-// Throws UserError: "NAME takes a whole number of 1 or more[ALTERNATIVE], not 'TEXT'".
-double parse_number(const std::string& name, const std::string& text, std::string_view range,
-                    std::string_view alternative = "");
-
-// Throws UserError with the words and the nearest of them unless the text is a word of the range "one|other|...".
-void check_word(const std::string& name, const std::string& text, std::string_view range);
 
 // Values by name, checked against a table. Values are texts as the user typed them, e.g. "1e6", "2M", "0.5", "true".
 class Settings {
