@@ -1,8 +1,8 @@
 // Sums that do not depend on the order of their terms: numbers are rounded once to a 128-bit fixed-point grid of 2^-60
 // and then added as integers, which is associative. Thread count, pass order and merge order therefore leave no trace.
 // Resolution 2^-60 = 8.7e-19, range of a sum +-2^67 = 1.5e20. A term may be as large as 2^44 = 1.8e13, so that more
-// than eight million of the largest terms fit. Terms outside of that, and terms that are not finite, are refused, never
-// clamped: the caller counts them.
+// than eight million of the largest terms fit. Terms outside of that, and terms that are not finite, must not be added:
+// films leave them out and count them (accidents.h).
 #pragma once
 
 #include <cmath>
@@ -27,23 +27,5 @@ inline Fixed128 to_fixed(double term)
 }
 
 inline double from_fixed(Fixed128 sum) { return static_cast<double>(sum) * exact_sum_unit; }
-
-// A sum that checks its terms.
-class ExactSum {
-public:
-    // Adds a term and returns true; returns false and adds nothing if the term is refused.
-    bool add(double term)
-    {
-        if (!exact_sum_accepts(term)) return false;
-        sum_ += to_fixed(term);
-        return true;
-    }
-    void add(const ExactSum& other) { sum_ += other.sum_; }
-    double value() const { return from_fixed(sum_); }
-    Fixed128 fixed() const { return sum_; }
-
-private:
-    Fixed128 sum_ = 0;
-};
 
 }  // namespace dapple

@@ -16,10 +16,10 @@ struct IntegratorChoice {
     std::vector<std::string> notes;  // what was replaced or left out, one line each
 };
 
-// The integrator to use: `asked` if not empty, else the one that stands for the scene's (path tracers: path; lightpath:
-// lightpath; what finds caustics by other means: photonmap). The scene's "maxdepth" is taken over where the integrator
-// has it; `definitions` (name, value) come last. Throws UserError, with the scene's place where it is the scene's
-// doing, for unknown names and for values out of form.
+// The integrator to use: `asked` if not empty, else the scene's own where it is known here (lightpath, bdpt, sppm,
+// ...), else the one that stands for it (pbrt's path tracers: path; mlt: vcm), with a note where that is another
+// algorithm. The scene's "maxdepth" is taken over where the integrator has it; `definitions` (name, value) come last.
+// Throws UserError, with the scene's place where it is the scene's doing, for unknown names and for values out of form.
 IntegratorChoice choose_integrator(const scene::Integrator& scene_integrator, const std::string& asked,
                                    const std::vector<std::pair<std::string, std::string>>& definitions);
 

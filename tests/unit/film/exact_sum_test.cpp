@@ -10,6 +10,24 @@
 namespace dapple {
 namespace {
 
+// A sum as films keep theirs.
+class ExactSum {
+public:
+    // Adds a term and returns true; returns false and adds nothing if the term is refused.
+    bool add(double term)
+    {
+        if (!exact_sum_accepts(term)) return false;
+        sum_ += to_fixed(term);
+        return true;
+    }
+    void add(const ExactSum& other) { sum_ += other.sum_; }
+    double value() const { return from_fixed(sum_); }
+    Fixed128 fixed() const { return sum_; }
+
+private:
+    Fixed128 sum_ = 0;
+};
+
 // Terms of either sign over many magnitudes.
 std::vector<float> random_terms(int count)
 {
