@@ -53,8 +53,9 @@ struct Writer {
         return "";
     }
 
-    // Under a name of its own in the first rescue folder that takes it; that name. Empty when none does.
-    std::string rescue(std::string_view ending) const
+    // Under a name of its own in the first rescue folder that takes it; that name. Empty when none does. Adds to `why`
+    // what each folder had against it.
+    std::string rescue(std::string_view ending, std::string& why) const
     {
         for (const std::string& folder : options.rescue_folders) {
             std::string path;
@@ -64,7 +65,9 @@ struct Writer {
                 path = (fs::path(folder) / ("dapple-rescue-" + std::to_string(number++))).string();
                 path += ending;
             } while (fs::exists(path, ignored));
-            if (write(path).empty()) return path;
+            const std::string error = write(path);
+            if (error.empty()) return path;
+            why.append("; ").append(error);
         }
         return "";
     }
@@ -154,6 +157,7 @@ std::string write_outputs(const RenderResult& result, const RenderRecord& record
     std::vector<std::string> left = options.paths;
     Writer rescuer{result, options, write, progress};
     rescuer.image_options.half = false;
+    std::string image, state;  // where they were rescued
     for (size_t attempt = 0;; ++attempt) {
         const Writer writer{result, options, write, progress};
         std::string why;
@@ -164,10 +168,13 @@ std::string write_outputs(const RenderResult& result, const RenderRecord& record
         });
         if (left.empty()) return "";
         const bool with_state = std::any_of(left.begin(), left.end(), is_state_path);
-        const std::string image = rescuer.rescue(".exr");
-        const std::string state = with_state && !image.empty() ? rescuer.rescue(state_ending) : "";
-        if (!image.empty() && (!with_state || !state.empty()))
-            return fmt::format("{}; the render was saved as {}{}{}", why, image, with_state ? " and " : "", state);
+        if (image.empty()) image = rescuer.rescue(".exr", why);
+        if (with_state && state.empty()) state = rescuer.rescue(state_ending, why);
+        const bool whole = !image.empty() && (!with_state || !state.empty());
+        if (!image.empty() || !state.empty())
+            why += fmt::format("; the {} was saved as {}{}{}", whole || image.empty() ? "render" : "image", image,
+                               image.empty() || state.empty() ? "" : " and ", state);
+        if (whole) return why;
         const std::vector<double>& pauses = options.retry_pauses;
         if (pauses.empty() || (attempt >= pauses.size() && !options.requests)) return why;
         const double pause = pauses[std::min(attempt, pauses.size() - 1)];

@@ -54,8 +54,8 @@ void check_output_folder(const std::string& path);
 
 // Writes every path. Where one fails, the image with all layers is saved, once for all of them, as dapple-rescue-N.exr
 // (and the render as dapple-rescue-N.dapple, if one was to be written) in the first rescue folder that takes it; if
-// none does, all is tried again after each pause. Returns nothing, or in one line what could not be written, why, and
-// where the render is.
+// none does, what is missing is tried again after each pause. Returns nothing, or in one line what could not be
+// written, why, and where the render is.
 std::string write_outputs(const RenderResult& result, const RenderRecord& record, const OutputOptions& options,
                           Progress& progress);
 

@@ -101,6 +101,19 @@ TEST_F(Output, FailedWriteIsRescued)
     EXPECT_TRUE(fs::exists(folder_ / "dapple-rescue-2.exr")) << "an earlier rescue is not overwritten";
 }
 
+TEST_F(Output, WhatWasRescuedIsNamedAndNotRescuedAgain)
+{
+    OutputOptions options;
+    options.paths = {in_folder("a.dapple")};
+    options.rescue_folders = {in_folder("missing"), folder_.string()};
+    options.retry_pauses = {0.001, 0.001};
+    options.write_state = [](const std::string& path) { throw UserError("no room for " + path); };
+    const std::string error = write_outputs(result_, record_, options, *progress_);
+    EXPECT_TRUE(error.ends_with("; the image was saved as " + in_folder("dapple-rescue-1.exr"))) << error;
+    EXPECT_NE(error.find("no room for " + in_folder("dapple-rescue-1.dapple")), error.npos) << error;
+    EXPECT_FALSE(fs::exists(folder_ / "dapple-rescue-2.exr"));
+}
+
 TEST_F(Output, TriesAgainWhenNothingTakesIt)
 {
     OutputOptions options;
