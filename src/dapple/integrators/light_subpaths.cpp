@@ -122,8 +122,15 @@ size_t LightSubpaths::memory_bytes() const
     for (const Chunk& chunk : chunks_)
         bytes += chunk.vertices.size() * sizeof(LightVertex) + chunk.bsdfs.size() * sizeof(Bsdf) +
                  chunk.end.size() * sizeof(uint32_t);
-    for (const Map& map : maps_) bytes += map.photons.size() * sizeof(MergePhoton) + map.tree.memory_bytes();
-    return bytes;
+    size_t all = 0, most = 0;
+    for (const Map& map : maps_) {
+        bytes += map.photons.size() * sizeof(MergePhoton) + map.tree.memory_bytes();
+        all += map.photons.size();
+        most = std::max(most, map.photons.size());
+    }
+    // build_maps: the members of all sets, with room to grow, and one set at a time its positions, its order and two
+    // buffers of 16 bytes that the tree sorts in.
+    return bytes + all * 2 * sizeof(void*) + most * (sizeof(Vec3) + sizeof(uint32_t) + 32);
 }
 
 size_t LightSubpaths::set_of(int64_t path) const

@@ -103,6 +103,7 @@ public:
 
     int64_t paths() const { return plan_.paths; }
     int64_t path_of(Int2 pixel) const { return (int64_t(pixel.y) * resolution_.x + pixel.x) % plan_.paths; }
+    // Of what is kept, and what building the maps took.
     size_t memory_bytes() const;
     // The set of wavelengths of a path.
     size_t set_of(int64_t path) const;

@@ -17,12 +17,15 @@ double caustic_share(const World& world)
         Walk walk;
         Departure departure;
         if (!emit(world, path_start(wavelengths, random.next_2d()), random, walk, departure)) continue;
-        const Vertex* vertex = walk.next(world, random);
-        while (vertex && vertex->is_delta() && walk.depth() < most_deltas) vertex = walk.next(world, random);
-        if (!vertex || vertex->is_delta()) continue;
-        const double light = walk.carried().throughput.average();
-        all += light;
-        if (walk.depth() > 1) caustic += light;
+        while (const Vertex* vertex = walk.next(world, random)) {
+            if (walk.events().diffuse > 0) break;
+            if (!vertex->is_delta()) {
+                const double light = walk.arriving().average();
+                all += light;
+                if (walk.events().specular_before_first) caustic += light;
+            }
+            if (!vertex->has_delta_lobe() || walk.depth() >= most_deltas) break;
+        }
     }
     return all > 0.0 ? caustic / all : 0.0;
 }

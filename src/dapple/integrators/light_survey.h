@@ -5,8 +5,9 @@
 
 namespace dapple {
 
-// Of the light that comes to surfaces and media that scatter for the first time, the part that came by delta surfaces
-// (mirrors, clear glass): caustics, in [0, 1]. From a few thousand light paths, the same each time.
+// Of the light that comes to matte or glossy surfaces or scattering media without having been scattered by such, the
+// part that came by mirrors, clear glass or the mirror reflection of smooth coats: caustics, in [0, 1]. From a few
+// thousand light paths, the same each time.
 double caustic_share(const World& world);
 
 }  // namespace dapple

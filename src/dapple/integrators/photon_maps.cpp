@@ -56,8 +56,9 @@ double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, C
             caustic += photon.path_class == static_cast<uint8_t>(PathClass::caustic);
         }
     const double per_path = 1.0 / static_cast<double>(request.paths);
-    const double stored = (photons + caustic) * per_path * static_cast<double>(plan.global_paths) +
-                          caustic * per_path * static_cast<double>(plan.caustic_paths);
+    const double copies = plan.caustic_map ? caustic : 0.0;
+    const double stored = (photons + copies) * per_path * static_cast<double>(plan.global_paths) +
+                          copies * per_path * static_cast<double>(plan.caustic_paths);
     // Kept: packed photons, and irradiance at a quarter of them. While a set is built: its photons as they were traced,
     // with room to grow, and what sorting takes (photon_map.h).
     const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 28) : 0.0);
@@ -91,6 +92,7 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
         request.time = map.time;
         request.seed = context.seed;
         request.max_depth = plan.max_depth;
+        request.keep_direct = plan.keep_direct;
         request.cancel = context.cancel;
         const auto stream = [&](uint64_t kind) {
             return hash_words(static_cast<uint64_t>(StreamPurpose::photon), uint64_t(epoch), uint64_t(set), kind);
@@ -103,12 +105,12 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             request.paths = global_paths;
             std::vector<std::vector<Photon>> global = trace_photons(context.world, request);
             if (context.cancelled()) return maps;
-            caustic = caustic_photons(global);
+            if (plan.caustic_map) caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
             if (plan.precompute_irradiance)
                 map.irradiance = irradiance_of(context, map.global, plan.irradiance_bandwidth, map.time.value_or(0.5f));
         }
-        const int64_t caustic_paths = plan.caustic_paths / plan.wavelength_sets;
+        const int64_t caustic_paths = plan.caustic_map ? plan.caustic_paths / plan.wavelength_sets : 0;
         if (caustic_paths > 0) {
             request.stream = stream(1);
             request.paths = caustic_paths;
@@ -152,7 +154,8 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const FilmSettings&
             plan.global_paths = plan.global_paths * plan.wavelength_sets / std::max(still_sets, usual_sets);
     }
     plan.caustic_paths = caustic_paths_ >= 0 ? caustic_paths_ : plan.global_paths;
-    if (use_ == MapUse::global_alone) plan.caustic_paths = 0;
+    plan.caustic_map = use_ == MapUse::global_and_caustic;
+    if (!plan.caustic_map) plan.caustic_paths = 0;
     plan.max_depth = max_depth_;
     // Irradiance does not remember which light it came from.
     plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&

@@ -63,7 +63,8 @@ struct PhotonMapPlan {
     int wavelength_sets = 4;    // 1 in the rgb model where nothing moves
     bool one_time_per_set = false;
     int max_depth = 100;
-    bool keep_direct = true;  // as PhotonRequest's, for the count of photons
+    bool keep_direct = true;  // in the global map
+    bool caustic_map = true;  // false: caustic photons lie in the global map alone
     bool precompute_irradiance = false;
     Bandwidth irradiance_bandwidth;
 };

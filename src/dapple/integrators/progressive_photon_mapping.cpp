@@ -79,13 +79,14 @@ public:
     }
 
 private:
+    // Of the photons that sets_of_pass asks for: indirect ones, all in one map.
     PhotonMapPlan plan(const PassContext& context, const FilmSettings& film) const
     {
         PhotonMapPlan plan;
         plan.global_paths = settings_.paths(film.resolution, film.color_model);
         plan.wavelength_sets = settings_.sets(film.color_model);
         plan.max_depth = settings_.max_depth();
-        plan.keep_direct = false;
+        plan.keep_direct = plan.caustic_map = false;
         if (memory_ > 0) limit_memory(plan, context, film.color_model, memory_);
         return plan;
     }

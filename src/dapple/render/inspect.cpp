@@ -17,6 +17,7 @@ namespace dapple {
 namespace {
 
 constexpr size_t most_lights_shown = 20;
+constexpr double least_caustics = 0.01;  // of all light: less, by a bead or a ring, decides nothing
 
 std::string_view kind_name(Light::Kind kind)
 {
@@ -81,15 +82,16 @@ void add_lights(std::vector<std::string>& lines, const World& world)
 // knows media.
 std::string what_suits(const World& world)
 {
-    const double caustics = caustic_share(world);
+    const double share = caustic_share(world), percent = 100 * share;
+    const bool caustics = share >= least_caustics;
     std::string names, why = world.has_scattering_media ? "media scatter" : "";
     for (const IntegratorEntry& entry : integrator_registry())
-        if (knows_media(entry, world) && (entry.photon_layers || !(caustics > 0.0)))
+        if (knows_media(entry, world) && (entry.photon_layers || !caustics))
             names.append(names.empty() ? "" : ", ").append(entry.name);
-    if (caustics > 0.0)
-        why += fmt::format("{}{:.2g} % of the light is caustics, of which path finds those of large lamps alone",
-                           why.empty() ? "" : ", and ", 100 * caustics);
-    return why.empty() ? "path: no caustics, no media that scatter" : names + ": " + why;
+    if (caustics)
+        why += fmt::format("{}{:.{}f} % of the light is caustics, of which path finds those of large lamps alone",
+                           why.empty() ? "" : ", and ", percent, percent < 9.95 ? 1 : 0);
+    return why.empty() ? "path: no caustics to speak of, no media that scatter" : names + ": " + why;
 }
 
 }  // namespace
