@@ -230,6 +230,18 @@ class CommandLine(unittest.TestCase):
                                    ("photonsplat", r", the pixels' points [\d.]+ MiB\n")):
             self.assertRegex(self.dapple("inspect", scenes / "glass-caustic.pbrt", "-i", integrator).stdout, memory)
 
+    def test_inspect_heeds_caustics_by_how_much_light_they_are(self):
+        for radius, light, suits in ((0.2, "0 0 3", "path: no caustics"),
+                                     (1.0, "0 0 2", r"photonmap, .*vcm: [67]\.\d % of the light is caustics"),
+                                     (1.0, "0 0 0", r"photonmap, .*vcm: 100 % of the light is caustics")):
+            (self.folder / "bead.pbrt").write_text(f"""Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+                WorldBegin
+                LightSource "point" "point3 from" [{light}]
+                Shape "sphere" "float radius" 9
+                Material "dielectric"
+                Shape "sphere" "float radius" {radius}""")
+            self.assertRegex(self.dapple("inspect", "bead.pbrt").stdout, "suits +" + suits)
+
     def test_doctor_finds_all_well(self):
         self.assertIn("All is well.", self.dapple("doctor").stdout)
 
