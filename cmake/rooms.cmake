@@ -45,6 +45,7 @@ function(dapple_test name)
   cmake_parse_arguments(TEST "" "" "USES;LIBRARIES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   add_executable(test_${name} ${sources})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)  # "support/..."
   target_link_libraries(test_${name} PRIVATE GTest::gtest_main ${TEST_LIBRARIES})
   foreach(used IN LISTS TEST_USES)
     target_link_libraries(test_${name} PRIVATE dapple_${used})

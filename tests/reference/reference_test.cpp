@@ -12,6 +12,7 @@
 // multiplies the passes by N (scripts/reference-full).
 #include "support/render_scene.h"
 #include "support/statistics.h"
+#include "support/temp_folder.h"
 
 #include "dapple/formats/pbrt.h"
 #include "dapple/image/image_file.h"
@@ -19,8 +20,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -186,32 +185,20 @@ uint32_t pass_factor()
 class PatchedStaircase {
 public:
     explicit PatchedStaircase(const fs::path& original)
-        : folder_(fs::temp_directory_path() / fmt::format("dapple-staircase2-{}", ::getpid()))
     {
         const fs::path source = original.parent_path();
-        fs::create_directories(folder_);
-        for (const char* name : {"models", "textures"}) {
-            fs::remove(folder_ / name);
-            fs::create_directory_symlink(source / name, folder_ / name);
-        }
+        for (const char* name : {"models", "textures"}) fs::create_directory_symlink(source / name, folder_ / name);
         std::string text = read_text(original);
         const std::string missing = "textures/wood5.tga";
         const std::string there = (source.parent_path() / "mitsuba3" / "textures" / "wood5.jpg").string();
         for (size_t at = text.find(missing); at != std::string::npos; at = text.find(missing, at + there.size()))
             text.replace(at, missing.size(), there);
-        description_ = read_pbrt_string(text, "staircase2", folder_);
+        description_ = read_pbrt_string(text, "staircase2", folder_.path());
     }
-    ~PatchedStaircase()
-    {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);  // links are removed, not what they name
-    }
-    PatchedStaircase(const PatchedStaircase&) = delete;
-    PatchedStaircase& operator=(const PatchedStaircase&) = delete;
     scene::Description description() const { return description_; }
 
 private:
-    fs::path folder_;
+    TempFolder folder_;
     scene::Description description_;
 };
 

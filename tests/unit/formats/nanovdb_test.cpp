@@ -4,6 +4,7 @@
 
 #include "dapple/base/error.h"
 #include "dapple/math/hash.h"
+#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -79,17 +80,14 @@ std::string file_bytes(bool zip, uint32_t type = 1, uint32_t grid_class = 2)
 
 class NanoVdb : public testing::Test {
 protected:
-    std::string path_ = (std::filesystem::temp_directory_path() /
-                         ("dapple_" + std::to_string(reinterpret_cast<uintptr_t>(this)) + "_" +
-                          testing::UnitTest::GetInstance()->current_test_info()->name() + ".nvdb"))
-                            .string();
+    TempFolder folder_;
+    std::string path_ = (folder_ / "grids.nvdb").string();
 
     std::vector<NanoVdbGrid> read(const std::string& bytes)
     {
         std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         return read_nanovdb(path_);
     }
-    void TearDown() override { std::filesystem::remove(path_); }
 };
 
 float value_at(const NanoVdbGrid& grid, int x, int y, int z)

@@ -1,6 +1,8 @@
 // What the pbrt reader makes of correct scenes: transforms, state, inheritance, entities and warnings.
 #include "dapple/formats/pbrt.h"
 
+#include "support/temp_folder.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -259,14 +261,8 @@ TEST(PbrtWarnings, RepeatsAreCounted)
 
 class PbrtFiles : public testing::Test {
 protected:
-    void SetUp() override
-    {
-        folder_ = std::filesystem::temp_directory_path() / "dapple_pbrt_test";
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
     void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
-    std::filesystem::path folder_;
+    TempFolder folder_;
 };
 
 TEST_F(PbrtFiles, IncludeSharesTheStateAndImportDoesNot)
@@ -315,7 +311,7 @@ TEST_F(PbrtFiles, AllOfThemAreListedOnce)
           "Material \"diffuse\" \"spectrum reflectance\" \"gold.spd\" Shape \"sphere\"");
     std::vector<std::string> names;
     for (const std::filesystem::path& file : read_pbrt(folder_ / "main.pbrt").files)
-        names.push_back(file.lexically_relative(folder_).string());
+        names.push_back(file.lexically_relative(folder_.path()).string());
     EXPECT_EQ(names.front(), "main.pbrt");
     std::sort(names.begin(), names.end());
     EXPECT_EQ(names, (std::vector<std::string>{"gold.spd", "main.pbrt", "part.pbrt", "sky.exr", "t.png"}));

@@ -2,6 +2,7 @@
 #include "dapple/formats/ply.h"
 
 #include "dapple/formats/read_file.h"
+#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -88,13 +89,13 @@ TEST(Ply, ReadsBigEndian) { check(parse_ply(binary_mesh(true), "mesh.ply")); }
 
 TEST(Ply, ReadsGzipFiles)
 {
-    const auto path = std::filesystem::temp_directory_path() / "dapple_ply_test.ply.gz";
+    const TempFolder folder;
+    const auto path = folder / "mesh.ply.gz";
     const std::string content = binary_mesh(false);
     gzFile file = gzopen(path.c_str(), "wb");
     gzwrite(file, content.data(), static_cast<unsigned>(content.size()));
     gzclose(file);
     check(read_ply(path, {}));
-    std::filesystem::remove(path);
 }
 
 // Each prefix of a mesh is damaged: it must give a UserError, never a crash or a mesh.
@@ -119,13 +120,13 @@ TEST(Ply, PartialNormalsAreNone)
 // A small file that expands a thousandfold is refused before memory runs out.
 TEST(ReadFile, RefusesGzipBombs)
 {
-    const auto path = std::filesystem::temp_directory_path() / "dapple_bomb_test.gz";
+    const TempFolder folder;
+    const auto path = folder / "bomb.gz";
     gzFile file = gzopen(path.c_str(), "wb9");
     const std::string zeros(1 << 20, '\0');
     for (int i = 0; i < 20; ++i) gzwrite(file, zeros.data(), static_cast<unsigned>(zeros.size()));
     gzclose(file);
     EXPECT_THROW(read_file(path, {}), UserError);
-    std::filesystem::remove(path);
 }
 
 TEST(ReadFile, ShowsTextsOnOneLine)

@@ -1,10 +1,10 @@
 #include "dapple/image/image_file.h"
 
 #include "dapple/base/error.h"
+#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -19,17 +19,10 @@ namespace fs = std::filesystem;
 
 class ImageFileTest : public ::testing::Test {
 protected:
-    void SetUp() override
-    {
-        std::string name = (fs::temp_directory_path() / "dapple-image-XXXXXX").string();
-        ASSERT_NE(mkdtemp(name.data()), nullptr);
-        folder_ = name;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
     std::string place(const std::string& name) const { return (folder_ / name).string(); }
-    size_t files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
+    size_t files() const { return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()); }
 
-    fs::path folder_;
+    TempFolder folder_;
 };
 
 Image ramp(int width, int height, int channels)

@@ -4,6 +4,7 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/render/checkpointer.h"
+#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -22,17 +23,8 @@ namespace fs = std::filesystem;
 
 class CheckpointFile : public testing::Test {
 protected:
-    CheckpointFile()
-    {
-        set_log_level(LogLevel::silent);
-        folder_ = fs::temp_directory_path() / ("dapple-checkpoint-test-" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-    }
-    ~CheckpointFile() override
-    {
-        fs::remove_all(folder_);
-        set_log_level(LogLevel::info);
-    }
+    CheckpointFile() { set_log_level(LogLevel::silent); }
+    ~CheckpointFile() override { set_log_level(LogLevel::info); }
 
     static CheckpointHeader header(uint32_t first, uint32_t count)
     {
@@ -91,7 +83,7 @@ protected:
         return "no error";
     }
 
-    fs::path folder_;
+    TempFolder folder_;
 };
 
 TEST_F(CheckpointFile, ComesBackAsItWas)
@@ -205,7 +197,7 @@ TEST_F(CheckpointFile, FullDiskLeavesTheOldOneAndTheRenderGoesOn)
 
     EXPECT_NE(error.find("cannot be written"), std::string::npos) << error;
     EXPECT_EQ(bytes_of(file), before);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "nothing else is left lying about";
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1) << "nothing else is left lying about";
     checkpointer.after_pass(*more.film, {});
     EXPECT_TRUE(checkpointer.written());
     EXPECT_EQ(read_checkpoint_header(file).passes(), 2u);

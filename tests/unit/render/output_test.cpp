@@ -3,9 +3,9 @@
 
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
+#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -20,8 +20,6 @@ protected:
     Output() : progress_(make_progress(ProgressKind::none))
     {
         set_log_level(LogLevel::silent);
-        folder_ = fs::temp_directory_path() / ("dapple-output-test-" + std::to_string(getpid()));
-        fs::create_directories(folder_);
         result_.image = Image(2, 2, 4);
         for (float& value : result_.image.pixels) value = 0.25f;
         result_.channels = {"R", "G", "B", "Z"};
@@ -31,15 +29,11 @@ protected:
         record_.command = "dapple render x.pbrt";
         record_.seed = 18446744073709551615ull;
     }
-    ~Output() override
-    {
-        fs::remove_all(folder_);
-        set_log_level(LogLevel::info);
-    }
+    ~Output() override { set_log_level(LogLevel::info); }
 
     std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
 
-    fs::path folder_;
+    TempFolder folder_;
     RenderResult result_;
     RenderRecord record_;
     std::unique_ptr<Progress> progress_;
@@ -90,7 +84,7 @@ TEST_F(Output, FailedWriteIsRescued)
 {
     OutputOptions options;
     options.paths = {in_folder("missing/a.png"), in_folder("b.png")};
-    options.rescue_folders = {in_folder("also-missing"), folder_.string()};
+    options.rescue_folders = {in_folder("also-missing"), folder_.path().string()};
     options.retry_pauses = {};
     const std::string error = write_outputs(result_, record_, options, *progress_);
     EXPECT_NE(error.find("missing/a.png'"), error.npos) << error;
@@ -105,7 +99,7 @@ TEST_F(Output, WhatWasRescuedIsNamedAndNotRescuedAgain)
 {
     OutputOptions options;
     options.paths = {in_folder("a.dapple")};
-    options.rescue_folders = {in_folder("missing"), folder_.string()};
+    options.rescue_folders = {in_folder("missing"), folder_.path().string()};
     options.retry_pauses = {0.001, 0.001};
     options.write_state = [](const std::string& path) { throw UserError("no room for " + path); };
     const std::string error = write_outputs(result_, record_, options, *progress_);
