@@ -17,8 +17,7 @@ namespace dapple::testing {
 TestScene::TestScene(scene::Description description, Int2 resolution)
     : description_(std::make_unique<scene::Description>(std::move(description)))
 {
-    if (resolution.x > 0)
-        set_resolution(description_->film, resolution);
+    if (resolution.x > 0) set_resolution(description_->film, resolution);
     world_ = compile(*description_);
 }
 

@@ -117,9 +117,9 @@ public:
     // Call once after each pass; passes come in order, from settings().first_pass on.
     void end_pass();
     // Instead of end_pass after a pass that was cut: the pixels that it reached have a sample more than the others, and
-    // the image allows for that; if it was the first, other pixels show the nearest that it reached. For passes that add
-    // eye samples alone (add_pixel). From now on the film can only be shown: neither continued, nor written, nor merged.
-    // Not for films with the error layer.
+    // the image allows for that; if it was the first, other pixels show the nearest that it reached. For passes that
+    // add eye samples alone (add_pixel). From now on the film can only be shown: neither continued, nor written, nor
+    // merged. Not for films with the error layer.
     void end_cut_pass() { cut_ = true; }
     bool cut() const { return cut_; }
     // Part of the pixels that have an eye sample of the running (or cut) pass, in [0, 1].
