@@ -46,6 +46,7 @@ struct EstimateSupport {
     float radius = 0.0f;   // r [m]
     float density = 0.0f;  // photons per area [1/m^2]
     float last = 0.0f;     // distance of the farthest photon that took part, where r is that of the next one [m]
+    bool something_hidden = false;  // photons within r were left out: something stands on the disc
 };
 
 struct RadianceEstimate {

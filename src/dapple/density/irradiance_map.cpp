@@ -47,7 +47,8 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, c
             positions[static_cast<size_t>(i)] = map.position(slot);
             IrradianceRecord& record = records[static_cast<size_t>(i)];
             const EstimateSupport support = find(map, {map.position(slot), map.normal(slot)}, nearest, found);
-            record.radius = support.radius;
+            // Beside a wall r is that of the photons on both sides: no measure of how far the record speaks.
+            record.radius = support.something_hidden ? 0.0f : support.radius;
             record.last = support.last;
             const bool spread_evenly =
                 map.from_delta_light(slot) && map.path_class(slot) == static_cast<uint8_t>(PathClass::direct);

@@ -29,7 +29,7 @@ float weight_of_own_photon(KernelKind kernel, float records);
 
 struct IrradianceRecord {
     Spectrum irradiance;  // [W/m^2]
-    float radius = 0.0f;  // of the estimate [m]
+    float radius = 0.0f;  // of the estimate [m]; 0 where something stands on its disc
     float last = 0.0f;    // as in EstimateSupport [m]
 };
 
@@ -47,7 +47,7 @@ public:
     }
 
     // The record nearest to a point of a surface whose normal agrees within 60 degrees; null when there is none within
-    // max_distance, or when the point lies beyond the radius of that record's estimate.
+    // max_distance, or when the point lies beyond the radius of that record's estimate, or beside a wall.
     const IrradianceRecord* nearest(const Vec3& position, const Vec3& normal, float max_distance = infinity) const;
 
 private:

@@ -208,12 +208,13 @@ EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, c
                                      std::vector<WeightedPhoton>& found, float time)
 {
     found.clear();
-    const EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
+    EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
         found.push_back({slot, weight});
     });
     if (found.empty() || !can_look_around(region, support.radius)) return support;
     const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel, time);
     const SurfaceCoverage coverage = neighbourhood.coverage();
+    support.something_hidden = coverage.something_hidden;
     if (coverage.something_hidden)
         std::erase_if(found, [&](const WeightedPhoton& p) { return !neighbourhood.sees(map.position(p.first)); });
     if (coverage.share != 1.0f)

@@ -92,5 +92,34 @@ TEST(Integrators, GatherWhatACoatMirrors)
         EXPECT_NEAR(mean_of_render(*world, name, few, 64) / path, 1.0, 0.01) << name;
 }
 
+// Irradiance made beforehand lies where photons are: on the bright side of a thin wall, when its dim side is asked for.
+TEST(Integrators, KeepLightBehindAWall)
+{
+    SmallScene scene;
+    scene.description.film.resolution = Int2(8, 8);
+    // Camera at (0, 0, 1), looking along x at a wall that sees the floor.
+    Matrix4 along_x;
+    along_x.m = {{{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 1}, {0, 0, 0, 1}}};
+    scene.description.camera.world_from_camera = {along_x, along_x};
+    scene.description.camera.fov = 60.0f;
+    const auto matte = scene.material(scene::DiffuseMaterial{scene::SpectrumInput(0.7f)});
+    scene.square(0.0f, 4.0f, matte);
+    for (const float x : {-0.8f, 1.5f}) {
+        scene::MeshData data;
+        data.positions = {{x, -4, 0}, {x, 4, 0}, {x, 4, 3}, {x, -4, 3}};
+        data.triangles = {0, 1, 2, 0, 2, 3};
+        scene.shape(scene::Mesh{std::make_shared<scene::MeshData>(std::move(data))}, matte);
+    }
+    for (const auto& [x, power] : {std::pair(-1.2f, 30.0f), std::pair(0.3f, 1.0f)}) {
+        scene::PointLight lamp;
+        lamp.from = Vec3(x, 0.0f, 0.5f);
+        scene.light(lamp).power = power;
+    }
+    const auto world = scene.world();
+    const double sppm = mean_of_render(*world, "sppm", {}, 64);
+    const Definitions few = {{"photons", "20000"}, {"epoch", "1"}};
+    EXPECT_NEAR(mean_of_render(*world, "photonmap", few, 64) / sppm, 1.0, 0.06);
+}
+
 }  // namespace
 }  // namespace dapple
