@@ -17,13 +17,6 @@ std::string long_name(const std::string& names)
     return begin == std::string::npos ? names : names.substr(begin, names.find(',', begin) - begin);
 }
 
-std::string list(const std::vector<std::string>& words)
-{
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
-
 std::vector<std::string> command_names(const CLI::App& app)
 {
     std::vector<std::string> names;
@@ -87,11 +80,12 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app)
         const std::string& word = extra.front();
         if (word.ends_with(".pbrt")) return fmt::format("a command is missing: dapple render {}", word);
         const std::string meant = near(word, known);
-        text = fmt::format("unknown command '{}'{}", word, meant.empty() ? "; there are " + list(known) : meant);
+        text = fmt::format("unknown command '{}'{}", word,
+                           meant.empty() ? fmt::format("; there are {}", fmt::join(known, ", ")) : meant);
     } else if (!extra.empty()) {
         text = explain_extra(command, parser, extra);
     } else if (chosen.empty()) {
-        text = "a command is missing: " + list(command_names(app));
+        text = fmt::format("a command is missing: {}", fmt::join(command_names(app), ", "));
     } else if (const std::string lack = explain_option(command, parser, text); !lack.empty()) {
         text = lack;
     }

@@ -17,6 +17,9 @@ FindPhotons find_photons_within(const Bandwidth& bandwidth)
     };
 }
 
+namespace {
+
+// W / K(0) (see the header) for a disc that holds that many records.
 float weight_of_own_photon(KernelKind kernel, float records)
 {
     constexpr int steps = 256;
@@ -30,17 +33,18 @@ float weight_of_own_photon(KernelKind kernel, float records)
     return static_cast<float>(weighed / all) / kernel_disc(kernel, 0.0f);
 }
 
+}  // namespace
+
 IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, const FindPhotons& find, uint32_t stride)
 {
     DAPPLE_ASSERT(bandwidth.nearest >= 2);
-    const int nearest_count = bandwidth.nearest;
     const float own_weight =
-        weight_of_own_photon(bandwidth.kernel, static_cast<float>(nearest_count - 1) / static_cast<float>(stride));
+        weight_of_own_photon(bandwidth.kernel, static_cast<float>(bandwidth.nearest - 1) / static_cast<float>(stride));
     const uint32_t count = (map.size() + stride - 1) / stride;
     std::vector<Vec3> positions(count);
     std::vector<IrradianceRecord> records(count);
     parallel_for_ranges(count, 1024, [&](int64_t begin, int64_t end) {
-        NearestPoints nearest(nearest_count);
+        NearestPoints nearest(bandwidth.nearest);
         std::vector<WeightedPhoton> found;
         for (int64_t i = begin; i < end; ++i) {
             const uint32_t slot = static_cast<uint32_t>(i) * stride;

@@ -24,9 +24,6 @@ using FindPhotons = std::function<EstimateSupport(const PhotonMap& map, const Su
 // visit_photons, as it is.
 FindPhotons find_photons_within(const Bandwidth& bandwidth);
 
-// W / K(0) for a disc that holds that many records.
-float weight_of_own_photon(KernelKind kernel, float records);
-
 struct IrradianceRecord {
     Spectrum irradiance;  // [W/m^2]
     float radius = 0.0f;  // of the estimate [m]; 0 where something stands on its disc

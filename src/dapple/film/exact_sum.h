@@ -2,7 +2,7 @@
 // and then added as integers, which is associative. Thread count, pass order and merge order therefore leave no trace.
 // Resolution 2^-60 = 8.7e-19, range of a sum +-2^67 = 1.5e20. A term may be as large as 2^44 = 1.8e13, so that more
 // than eight million of the largest terms fit. Terms outside of that, and terms that are not finite, must not be added:
-// films leave them out and count them (accidents.h).
+// films leave them out and count them (Accidents in film.h).
 #pragma once
 
 #include <cmath>

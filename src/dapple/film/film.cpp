@@ -60,9 +60,8 @@ Film::Film(FilmSettings settings) : settings_(std::move(settings))
     if (low.x < 0 || low.y < 0 || high.x > size.x || high.y > size.y || low.x >= high.x || low.y >= high.y)
         throw UserError(fmt::format("the crop window {}..{} x {}..{} is empty or leaves the image of {} x {} pixels",
                                     low.x, high.x, low.y, high.y, size.x, size.y));
-    std::vector<std::string> groups = settings_.light_groups;
-    for (std::string& group : groups)
-        if (group.empty()) group = "default";
+    std::vector<std::string> groups;
+    for (const std::string& name : settings_.light_groups) groups.push_back(light_group_label(name));
     for (size_t i = 0; i < groups.size(); ++i)
         if (std::count(groups.begin(), groups.end(), groups[i]) > 1)
             throw UserError(fmt::format("two light groups are named '{}'", groups[i]));
@@ -70,7 +69,7 @@ Film::Film(FilmSettings settings) : settings_(std::move(settings))
     sums_ = std::make_unique<Sums>(settings_);
     reached_.resize(sums_->pixels());
     if (settings_.error_layer)
-        errors_ = std::make_unique<ErrorSums>(high.x - low.x, high.y - low.y, settings_.correlated_passes,
+        errors_ = std::make_unique<ErrorSums>(sums_->crop_size.x, sums_->crop_size.y, settings_.correlated_passes,
                                               settings_.fading_bias, settings_.bias_scale);
 }
 

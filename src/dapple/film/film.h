@@ -81,6 +81,9 @@ struct FilmSettings {
     std::function<double(uint32_t pass)> bias_scale;
 };
 
+// What a light group is called in layers: lights without a name are in the group "default".
+inline std::string light_group_label(const std::string& name) { return name.empty() ? "default" : name; }
+
 // Contributions dropped because they were not finite, or too large for the sums (1.8e13), by cause.
 struct Accidents {
     std::atomic<uint64_t> eye_sample{0};

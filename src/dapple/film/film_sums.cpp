@@ -34,31 +34,29 @@ Film::Sums::Sums(const FilmSettings& settings)
 {
     first_radiance = 0;
     if (settings.class_layers)
-        for (const std::string_view name : path_class_names) add_plane(std::string(name), "RGB");
+        for (const std::string_view name : path_class_names) add_plane(suffixed(std::string(name), "RGB"));
     else
-        add_plane("", "RGB");
+        add_plane(suffixed("", "RGB"));
     radiance_planes = static_cast<int>(planes.size());
     first_group = radiance_planes;
     groups = settings.light_groups.size();
     for (const std::string& name : settings.light_groups)
-        add_plane("lightgroup_" + (name.empty() ? "default" : name), "RGB");
+        add_plane(suffixed("lightgroup_" + light_group_label(name), "RGB"));
     if (settings.guide_layers) {
-        albedo = add_plane("Albedo", "RGB");
-        normal = add_plane("N", "XYZ");
-        depth = add_plane("", "Z");
-        position = add_plane("P", "XYZ");
+        albedo = add_plane(suffixed("Albedo", "RGB"));
+        normal = add_plane(suffixed("N", "XYZ"));
+        depth = add_plane({"Z"});
+        position = add_plane(suffixed("P", "XYZ"));
     }
     if (settings.photon_layers) {
-        planes.emplace_back(std::vector<std::string>{"photons.density"}, pixels());
-        photon_density = static_cast<int>(planes.size()) - 1;
-        planes.emplace_back(std::vector<std::string>{"photons.radius"}, pixels());
-        photon_radius = static_cast<int>(planes.size()) - 1;
+        photon_density = add_plane({"photons.density"});
+        photon_radius = add_plane({"photons.radius"});
     }
 }
 
-int Film::Sums::add_plane(const std::string& prefix, std::string_view letters)
+int Film::Sums::add_plane(std::vector<std::string> channel_names)
 {
-    planes.emplace_back(suffixed(prefix, letters), pixels());
+    planes.emplace_back(std::move(channel_names), pixels());
     return static_cast<int>(planes.size()) - 1;
 }
 

@@ -90,7 +90,7 @@ private:
         std::mutex mutex;
     };
 
-    int add_plane(const std::string& prefix, std::string_view letters);
+    int add_plane(std::vector<std::string> channel_names);
 
     std::array<Lock, lock_count> locks_;
 };

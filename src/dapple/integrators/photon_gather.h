@@ -169,9 +169,9 @@ public:
     float follow(Walk walk, GatherPart part = GatherPart::all)
     {
         float first = infinity;
-        float since_last = 0.0f;                       // way since the last vertex that is no delta
-        int mapped = std::numeric_limits<int>::max();  // D's before the vertex where the map stood for all but what a
-                                                       // smooth coat mirrors
+        float since_last = 0.0f;  // way since the last vertex that is no delta
+        // D's before the vertex where the map stood for all but what a smooth coat mirrors.
+        int mapped = std::numeric_limits<int>::max();
         while (const Vertex* vertex = walk.next(world_, random_)) {
             if (!(first < infinity)) first = vertex->distance;
             if (events(walk).diffuse > mapped) return first;

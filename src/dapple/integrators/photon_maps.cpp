@@ -35,7 +35,7 @@ IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global,
 
 void refuse_media(const World& world, std::string_view integrator)
 {
-    if (world.has_scattering_media || world.has_emitting_media)
+    if (world.has_active_media())
         throw UserError(std::string(integrator) +
                         " does not know media that scatter or emit yet; use vcm, bdpt, path or lightpath");
 }

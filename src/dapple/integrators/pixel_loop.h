@@ -63,6 +63,7 @@ template <class ChooseWavelengths, class Trace>
 void for_each_pixel(const PassContext& context, Film& film, const ChooseWavelengths& wavelengths, const Trace& trace)
 {
     constexpr int tile = 16;
+    static_assert(tile % PassContext::block == 0, "blocks must not be cut by tiles");
     const FilmSettings& settings = film.settings();
     const Int2 size = settings.crop_max - settings.crop_min;
     const Int2 tiles((size.x + tile - 1) / tile, (size.y + tile - 1) / tile);

@@ -2,6 +2,8 @@
 
 #include "dapple/base/error.h"
 
+#include <fmt/format.h>
+
 #include <vector>
 
 namespace dapple {
@@ -27,8 +29,7 @@ const IntegratorEntry& find_integrator(std::string_view name)
         names.push_back(entry.name);
     }
     std::string hint = did_you_mean(name, names);
-    if (hint.empty())
-        for (const std::string_view known : names) hint.append(hint.empty() ? "; there are " : ", ").append(known);
+    if (hint.empty()) hint = fmt::format("; there are {}", fmt::join(names, ", "));
     throw UserError("unknown integrator '" + std::string(name) + "'" + hint);
 }
 

@@ -161,7 +161,7 @@ std::string layers_text(const FilmSettings& film)
     if (film.class_layers) text += ",classes";
     if (film.photon_layers) text += ",photons";
     if (film.error_layer) text += ",error";
-    for (const std::string& group : film.light_groups) text += ",group " + (group.empty() ? "default" : group);
+    for (const std::string& group : film.light_groups) text += ",group " + light_group_label(group);
     return text;
 }
 

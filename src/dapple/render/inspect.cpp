@@ -96,10 +96,7 @@ std::string what_suits(const World& world)
 
 }  // namespace
 
-bool knows_media(const IntegratorEntry& entry, const World& world)
-{
-    return entry.media || !(world.has_scattering_media || world.has_emitting_media);
-}
+bool knows_media(const IntegratorEntry& entry, const World& world) { return entry.media || !world.has_active_media(); }
 
 std::vector<LightSummary> summarise_lights(const World& world)
 {

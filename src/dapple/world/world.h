@@ -130,6 +130,8 @@ public:
     bool has_alpha = false;
     bool has_scattering_media = false;
     bool has_emitting_media = false;
+    // Whether media do more than absorb.
+    bool has_active_media() const { return has_scattering_media || has_emitting_media; }
 
     std::unique_ptr<Accelerator> accelerator;
 

@@ -2,23 +2,12 @@
 // and command_line_test.py meet them.
 #include "dapple/base/ranges.h"
 
-#include "dapple/base/error.h"
+#include "support/error_of.h"
 
 #include <gtest/gtest.h>
 
 namespace dapple {
 namespace {
-
-template <class Check>
-std::string error_of(const Check& check)
-{
-    try {
-        check();
-    } catch (const UserError& error) {
-        return error.what();
-    }
-    return "";
-}
 
 TEST(Ranges, NumbersWithinThemAreRead)
 {

@@ -1,6 +1,7 @@
 #include "dapple/image/image_file.h"
 
 #include "dapple/base/error.h"
+#include "support/error_of.h"
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
@@ -30,16 +31,6 @@ Image ramp(int width, int height, int channels)
     Image image(width, height, channels);
     for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = 0.37f * static_cast<float>(i) - 1.5f;
     return image;
-}
-
-std::string error_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const UserError& error) {
-        return error.what();
-    }
-    return "";
 }
 
 TEST_F(ImageFileTest, ExrKeepsEveryBitEveryLayerAndTheHeader)

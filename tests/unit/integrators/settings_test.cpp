@@ -1,7 +1,7 @@
 // Settings: forms, bounds, fallbacks and the errors people meet.
 #include "dapple/integrators/settings.h"
 
-#include "dapple/base/error.h"
+#include "support/error_of.h"
 
 #include <gtest/gtest.h>
 
@@ -22,12 +22,7 @@ constexpr std::array<SettingInfo, 6> table = {{
 std::string error_of(const std::string& name, const std::string& value)
 {
     Settings settings(table);
-    try {
-        settings.set(name, value);
-    } catch (const UserError& error) {
-        return error.what();
-    }
-    return "";
+    return dapple::error_of([&] { settings.set(name, value); });
 }
 
 TEST(Settings, GiveFallbacksUntilSet)
