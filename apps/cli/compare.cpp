@@ -1,6 +1,7 @@
 // `dapple compare`: how far two images are apart, as numbers, as a picture, and as an exit status.
 #include "commands.h"
 #include "dapple/base/error.h"
+#include "dapple/base/words.h"
 #include "dapple/image/image_file.h"
 #include "dapple/image/metrics.h"
 #include "values.h"
@@ -22,7 +23,7 @@ struct Options {
     float clamp = std::numeric_limits<float>::infinity();
     std::string layer;
     std::string difference;
-    float difference_scale = 0.1f;
+    float difference_scale = 0;  // 0: by itself
     bool flip = false;
     bool exact = false;
     double mean_limit = -1;  // [percent]; negative: not asked for
@@ -93,16 +94,28 @@ int compare_exactly(const Options& options)
     for (size_t i = 0; i < a.image.pixels.size(); ++i)
         if (bits(a.image.pixels[i]) != bits(b.image.pixels[i])) ++differing[i % channels], ++total;
     if (total == 0) {
-        fmt::print("the same bits in all {} channels\n", channels);
+        fmt::print("the same bits in {}{}\n", channels > 1 ? "all " : "", counted(channels, "channel"));
         return 0;
     }
     for (size_t c = 0; c < channels; ++c)
-        if (differing[c] > 0) fmt::print("different: {} values of channel {}\n", differing[c], a.channel_names[c]);
+        if (differing[c] > 0)
+            fmt::print("different: {} of channel {}\n", counted(differing[c], "value"), a.channel_names[c]);
     return exit_failure;
+}
+
+// The picture of the difference, and what its colours mean.
+void write_difference(const Options& options, const Image& test, const Image& reference, const CompareOptions& limits)
+{
+    const bool automatic = options.difference_scale <= 0;
+    const float scale = automatic ? difference_scale(test, reference, limits) : options.difference_scale;
+    write_image(options.difference, signed_difference(test, reference, scale, limits));
+    fmt::print("wrote {}: red where A is brighter, blue where it is darker, full colour at a difference of {:g}{}\n",
+               options.difference, scale, automatic ? " (99 % of the pixels differ less; --diff-scale sets it)" : "");
 }
 
 int compare(const Options& options)
 {
+    if (!options.difference.empty()) check_image_ending(options.difference);
     if (options.exact) return compare_exactly(options);
     const Image test = read(options.test, options.layer);
     const Image reference = read(options.reference, options.layer);
@@ -123,15 +136,11 @@ int compare(const Options& options)
                comparison.mse, comparison.relative_mse, comparison.mae, comparison.max_error);
     if (options.flip) fmt::print("FLIP           {:.5f}\n", flip(test, reference).mean);
     if (comparison.non_finite > 0) {
-        fmt::print("not finite     {} pixels\n", comparison.non_finite);
+        fmt::print("not finite     {}\n", counted(comparison.non_finite, "pixel"));
         good = good && options.mean_limit < 0 && options.relative_mse_limit < 0;
     }
     if (options.relative_mse_limit >= 0 && !(comparison.relative_mse <= options.relative_mse_limit)) good = false;
-    if (!options.difference.empty()) {
-        write_image(options.difference, signed_difference(test, reference, options.difference_scale, limits));
-        fmt::print("wrote {}: red where A is brighter, blue where it is darker, full at {:g}\n", options.difference,
-                   options.difference_scale);
-    }
+    if (!options.difference.empty()) write_difference(options, test, reference, limits);
     if (!good) fmt::print("beyond the limits\n");
     return good ? 0 : exit_failure;
 }
@@ -148,8 +157,9 @@ Command add_compare(CLI::App& app)
     parser->add_option("b", o.reference, "the image to judge it by")->required();
     add_number(*parser, "--clamp", o.clamp, "> 0", "limit both images to this value first");
     parser->add_option("--layer", o.layer, "compare this layer instead of the beauty, such as Albedo, Z or caustic");
-    parser->add_option("--diff", o.difference, "write a picture of the signed difference");
-    add_number(*parser, "--diff-scale", o.difference_scale, "> 0", "difference that gives full colour (default 0.1)");
+    parser->add_option("-o,--diff", o.difference, "write a picture of the signed difference");
+    add_number(*parser, "--diff-scale", o.difference_scale, "> 0",
+               "difference that gives full colour (default: what 99 % of the pixels stay below)");
     parser->add_flag("--flip", o.flip, "also the perceptual difference FLIP");
     parser->add_flag("--exact", o.exact, "exit status 1 unless all layers have the same bits");
     add_number(*parser, "--mean-within", o.mean_limit, ">= 0",

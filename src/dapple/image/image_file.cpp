@@ -39,6 +39,25 @@ std::string lower_extension(const std::string& path)
     throw UserError(fmt::format("cannot {} image '{}': {}", verb, path, cause.empty() ? "unknown cause" : cause));
 }
 
+// "; there is 'wood.JPG'" where a file of this name exists with other capitals or another ending.
+std::string similar_file(const std::string& path)
+{
+    const auto stem = [](const fs::path& file) {
+        std::string name = file.stem().string();
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        return name;
+    };
+    const fs::path folder = fs::path(path).parent_path();
+    std::string similar;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (stem(name) == stem(path) && (similar.empty() || name < similar)) similar = name;
+    }
+    return similar.empty() ? "" : fmt::format("; there is '{}'", similar);
+}
+
 ColorEncoding resolve(const ColorEncoding& encoding, bool eight_bits, const std::string& format)
 {
     if (encoding.kind != ColorEncoding::Kind::automatic) return encoding;
@@ -232,7 +251,7 @@ int ImageFile::channel(const std::string& name) const
 ImageFile read_image_file(const std::string& path, const ReadOptions& options)
 {
     std::error_code error;
-    if (!fs::exists(path, error)) fail("read", path, "no such file");
+    if (!fs::exists(path, error)) fail("read", path, "no such file" + similar_file(path));
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
     const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &hints);
@@ -262,13 +281,28 @@ Image read_image(const std::string& path, const ReadOptions& options)
     return select_channels(file.image, channels);
 }
 
+void check_image_ending(const std::string& path, std::string_view other, std::string_view use)
+{
+    std::vector<std::string_view> known = {".exr", ".png", ".hdr", ".pfm"};
+    const std::string ending = lower_extension(path);
+    if (std::find(known.begin(), known.end(), ending) != known.end()) return;
+    if (!other.empty()) known.push_back(other);
+    const std::string meant = did_you_mean(ending, known);
+    fail("write", path,
+         fmt::format("an image ends in .exr (linear, all layers), .png (8-bit sRGB), .hdr or .pfm (linear){}{}",
+                     other.empty() ? "" : fmt::format(", or in {} ({})", other, use),
+                     !meant.empty() || ending.empty()
+                         ? meant
+                         : fmt::format("; others are made of a .png: 'oiiotool {} -o {}'",
+                                       fs::path(path).filename().replace_extension(".png").string(),
+                                       fs::path(path).filename().string())));
+}
+
 void write_image(const std::string& path, const Image& image, const WriteOptions& options)
 {
-    const std::string extension = lower_extension(path);
-    if (extension != ".exr" && extension != ".pfm" && extension != ".hdr" && extension != ".png")
-        fail("write", path, fmt::format("unknown ending '{}'; known are .exr, .pfm, .hdr and .png", extension));
+    check_image_ending(path);
     if (image.empty()) fail("write", path, "the image has no pixels");
-    const std::string format = extension.substr(1);
+    const std::string format = lower_extension(path).substr(1);
 
     const std::vector<std::string> names =
         options.channel_names.empty() ? default_channel_names(image.channels) : options.channel_names;

@@ -5,6 +5,7 @@
 #include "dapple/image/image.h"
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -62,6 +63,10 @@ struct WriteOptions {
     Int2 data_origin{0, 0};  // .exr: where the image lies in the full image, for crop windows
     Int2 full_size{0, 0};    // .exr: size of the full image; 0: that of the image
 };
+
+// Throws UserError, saying what there is, if the ending of the path is none that write_image takes. The caller may name
+// another ending that it takes itself, and what for.
+void check_image_ending(const std::string& path, std::string_view other = {}, std::string_view use = {});
 
 // Writes an image; the ending of the path says the format. .png: 8 bits with the sRGB curve, clipped to [0, 1], rounded
 // to nearest, no dither. The file appears whole or not at all: it is written beside its place, synced, and renamed.

@@ -26,6 +26,17 @@ bool pixel_is_finite(const Image& image, size_t pixel)
     return std::all_of(values, values + image.channels, [](float v) { return std::isfinite(v); });
 }
 
+// Of the channel means of a pixel that is finite in both images.
+double mean_difference(const Image& test, const Image& reference, size_t pixel, const CompareOptions& options)
+{
+    double difference = 0.0;
+    for (int c = 0; c < test.channels; ++c) {
+        const size_t i = pixel * test.channels + c;
+        difference += double(std::min(test.pixels[i], options.clamp)) - std::min(reference.pixels[i], options.clamp);
+    }
+    return difference / test.channels;
+}
+
 // Calls body(block_x, block_y, x, y) for every pixel, row by row.
 template <class Body>
 void for_each_in_blocks(const Image& image, int block_size, const Body& body)
@@ -88,6 +99,22 @@ Image absolute_difference(const Image& test, const Image& reference, const Compa
     return result;
 }
 
+float difference_scale(const Image& test, const Image& reference, const CompareOptions& options)
+{
+    check_alike(test, reference);
+    std::vector<double> differences;
+    for (size_t pixel = 0; pixel < size_t(test.width) * test.height; ++pixel)
+        if (pixel_is_finite(test, pixel) && pixel_is_finite(reference, pixel))
+            differences.push_back(std::fabs(mean_difference(test, reference, pixel, options)));
+    std::sort(differences.begin(), differences.end());
+    if (differences.empty() || differences.back() <= 0.0) return 0.1f;
+    const double most = differences[static_cast<size_t>(0.99 * static_cast<double>(differences.size() - 1))];
+    const double covered = most > 0.0 ? most : differences.back();
+    const double power = std::pow(10.0, std::floor(std::log10(covered)));
+    const double digit = covered / power;
+    return static_cast<float>(power * (digit <= 1.0 ? 1.0 : digit <= 2.0 ? 2.0 : digit <= 5.0 ? 5.0 : 10.0));
+}
+
 Image signed_difference(const Image& test, const Image& reference, float full_scale, const CompareOptions& options)
 {
     check_alike(test, reference);
@@ -98,13 +125,7 @@ Image signed_difference(const Image& test, const Image& reference, float full_sc
             rgb[0] = rgb[2] = 1.0f;
             continue;
         }
-        double difference = 0.0;
-        for (int c = 0; c < test.channels; ++c) {
-            const size_t i = pixel * test.channels + c;
-            difference +=
-                double(std::min(test.pixels[i], options.clamp)) - std::min(reference.pixels[i], options.clamp);
-        }
-        const float strength = static_cast<float>(difference / test.channels) / full_scale;
+        const float strength = static_cast<float>(mean_difference(test, reference, pixel, options)) / full_scale;
         rgb[strength > 0.0f ? 0 : 2] = std::min(std::fabs(strength), 1.0f);
     }
     return result;

@@ -30,6 +30,10 @@ ImageComparison compare_images(const Image& test, const Image& reference, const 
 // |test - reference|, channel by channel.
 Image absolute_difference(const Image& test, const Image& reference, const CompareOptions& options = {});
 
+// A scale for signed_difference: the least of 1, 2 and 5 times a power of ten that 99 % of the finite pixels do not
+// exceed (if these are alike, that none exceeds); 0.1 for images that are alike.
+float difference_scale(const Image& test, const Image& reference, const CompareOptions& options = {});
+
 // A picture of the sign: the difference of the channel means, divided by `full_scale`, red where the test is brighter
 // and blue where it is darker; full strength at +-1; purple where a value is not finite. Linear RGB.
 Image signed_difference(const Image& test, const Image& reference, float full_scale,

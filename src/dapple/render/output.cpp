@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
 #include <filesystem>
@@ -21,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view state_ending = ".dapple";
-constexpr std::array<std::string_view, 5> writable_endings = {".exr", ".png", ".pfm", ".hdr", state_ending};
 
 std::string ending_of(const std::string& path)
 {
@@ -122,11 +120,8 @@ ImageMetadata image_metadata(const RenderRecord& record, const RenderResult& res
 void check_output_paths(const std::vector<std::string>& paths)
 {
     for (const std::string& path : paths) {
-        const std::string ending = ending_of(path);
-        if (std::find(writable_endings.begin(), writable_endings.end(), ending) == writable_endings.end())
-            throw UserError("cannot write '" + path +
-                            "': a file ends in .exr, .png, .pfm or .hdr, or in .dapple for dapple merge" +
-                            did_you_mean(ending, writable_endings));
+        if (!is_state_path(path))
+            check_image_ending(path, state_ending, "the render itself, for dapple resume and dapple merge");
         check_output_folder(path);
     }
 }

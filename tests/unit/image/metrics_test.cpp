@@ -52,6 +52,22 @@ TEST(Metrics, ValuesByHand)
     EXPECT_EQ(sign.pixels, (std::vector<float>{0.5f, 0.0f, 0.0f, 0.0f, 0.0f, 0.125f}));
 }
 
+TEST(Metrics, DifferencesAreShownOnARoundScaleThatMostKeepTo)
+{
+    const Image reference(20, 10, 3);
+    Image test = constant(20, 10, Vec3(0.3f));
+    EXPECT_FLOAT_EQ(difference_scale(test, reference), 0.5f);
+    EXPECT_FLOAT_EQ(difference_scale(constant(20, 10, Vec3(120.0f)), reference), 200.0f);
+    test.at(0, 0, 0) = 1e6f;
+    EXPECT_FLOAT_EQ(difference_scale(test, reference), 0.5f) << "one pixel of 200";
+    Image lone = reference;
+    lone.at(3, 3, 0) = lone.at(3, 3, 1) = lone.at(3, 3, 2) = -0.07f;
+    EXPECT_FLOAT_EQ(difference_scale(lone, reference), 0.1f);
+    lone.at(0, 0, 0) = NAN;
+    EXPECT_FLOAT_EQ(difference_scale(lone, reference), 0.1f);
+    EXPECT_FLOAT_EQ(difference_scale(reference, reference), 0.1f);
+}
+
 TEST(Metrics, NonFinitePixelsAreCountedAndLeftOut)
 {
     Image test = constant(2, 2, Vec3(1.0f)), reference = constant(2, 2, Vec3(2.0f));
