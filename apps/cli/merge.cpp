@@ -1,6 +1,7 @@
 // `dapple merge`: one render out of parts with disjoint passes, to the same bits.
 #include "commands.h"
 #include "dapple/base/log.h"
+#include "dapple/base/words.h"
 #include "dapple/render/checkpoint.h"
 #include "dapple/render/output.h"
 #include "values.h"
@@ -66,7 +67,7 @@ int merge(const Options& options)
     output.full_size = whole.header.film.resolution;
     output.write_state = [&](const std::string& path) { write_checkpoint(path, whole.header, *whole.film); };
     const auto progress = make_progress(options.quiet ? ProgressKind::none : ProgressKind::bar);
-    progress->note(fmt::format("{} passes", whole.header.passes()));
+    progress->note(counted(whole.header.passes(), "pass"));
     const std::string error = write_outputs(result_of(whole), whole.header.record, output, *progress);
     if (!error.empty()) throw Failure(error);
     return 0;

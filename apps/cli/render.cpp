@@ -4,7 +4,9 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
+#include "dapple/base/words.h"
 #include "dapple/render/checkpointer.h"
+#include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
 #include "dapple/render/live_view.h"
 #include "dapple/render/memory.h"
@@ -13,11 +15,12 @@
 #include "dapple/render/render_job.h"
 #include "dapple/render/scene_defaults.h"
 #include "dapple/render/technique_record.h"
+#include "interrupts.h"
 #include "render_options.h"
 
 #include <fmt/format.h>
 
-#include <csignal>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -25,43 +28,6 @@
 
 namespace dapple::cli {
 namespace {
-
-StopRequests* stop_requests = nullptr;
-
-void on_interrupt(int) { stop_requests->add(); }
-
-// Ctrl-C and SIGTERM ask to stop for as long as this lives; a reader of our progress that goes away is no reason to
-// end.
-class InterruptHandler {
-public:
-    explicit InterruptHandler(StopRequests& requests)
-    {
-        stop_requests = &requests;
-        struct sigaction action = {};
-        action.sa_handler = on_interrupt;
-        sigaction(SIGINT, &action, &old_interrupt_);
-        sigaction(SIGTERM, &action, &old_terminate_);
-        action.sa_handler = SIG_IGN;
-        sigaction(SIGPIPE, &action, &old_pipe_);
-        sigaction(SIGXFSZ, &action, &old_file_size_);  // writing fails instead, and the render is kept
-    }
-    ~InterruptHandler()
-    {
-        sigaction(SIGINT, &old_interrupt_, nullptr);
-        sigaction(SIGTERM, &old_terminate_, nullptr);
-        sigaction(SIGPIPE, &old_pipe_, nullptr);
-        sigaction(SIGXFSZ, &old_file_size_, nullptr);
-        stop_requests = nullptr;
-    }
-    InterruptHandler(const InterruptHandler&) = delete;
-    InterruptHandler& operator=(const InterruptHandler&) = delete;
-
-private:
-    struct sigaction old_interrupt_ = {};
-    struct sigaction old_terminate_ = {};
-    struct sigaction old_pipe_ = {};
-    struct sigaction old_file_size_ = {};
-};
 
 StopRule stop_rule(const RenderOptions& options, const scene::Description& description)
 {
@@ -79,8 +45,51 @@ void report_accidents(const Film& film)
     const uint64_t eye = film.accidents().eye_sample.load();
     const uint64_t splats = film.accidents().splat.load();
     if (eye + splats > 0)
-        log_warning("{} samples were not finite and were left out ({} from eye paths, {} from light paths)",
-                    eye + splats, eye, splats);
+        log_warning("{} that {} not finite left out ({} from eye paths, {} from light paths)",
+                    counted(eye + splats, "sample"), eye + splats == 1 ? "was" : "were", eye, splats);
+}
+
+// What the image lacks, and what to do about it.
+void report_lacks(const RenderResult& result, const IntegratorChoice& choice)
+{
+    if (result.passes_lost > 0)
+        log_warning("the image holds {}; {} more were lost by stopping at once", counted(result.passes, "pass"),
+                    result.passes_lost);
+    if (result.incomplete.empty()) return;
+    if (result.by_request) return log_warning("{}", result.incomplete);
+    std::string smaller = "--resolution";
+    for (const std::string_view fewer : {"photons", "lightpaths", "cacherays"})
+        for (const SettingInfo& info : choice.entry->settings)
+            if (info.name == fewer) smaller += fmt::format(", -D {}", fewer);
+    log_warning("{}; what helps: a longer --time, or a smaller {}", result.incomplete, smaller);
+}
+
+// Said at the end, too: it is easily missed before the picture is there.
+void report_missing_images(const std::vector<std::string>& files)
+{
+    if (files.empty()) return;
+    log_warning("{} could not be read and {} magenta in this image: {}", counted(files.size(), "texture file"),
+                files.size() == 1 ? "is" : "are", fmt::join(files, ", "));
+}
+
+// Where a render goes on.
+std::string going_on(const RenderStart& start, const StopRule& stop)
+{
+    const CheckpointHeader& header = start.header;
+    const auto passes = static_cast<uint32_t>(header.passes());
+    const std::string holds = fmt::format("'{}' holds {} ({})", start.checkpoint, counted(passes, "pass"),
+                                          format_duration(header.counters.seconds));
+    if (!stop.another(passes, header.counters.seconds, 0.0)) {
+        std::string why = ", all that is asked for";
+        if (stop.passes > 0 && stop.passes < passes)
+            why = fmt::format(", and --passes {} counts from the first", stop.passes);
+        else if (stop.time_is_up(header.counters.seconds))
+            why = fmt::format(", and --time {} counts from the beginning", format_duration(stop.seconds));
+        return holds + why + ": the image of these is written";
+    }
+    return fmt::format("{}; going on with pass {}{}{}", holds, passes + 1,
+                       stop.passes > 0 ? fmt::format(" of {}", stop.passes) : "",
+                       stop.seconds > 0 ? fmt::format(", until {} in all", format_duration(stop.seconds)) : "");
 }
 
 // What can be wrong without the scene is said before it is read.
@@ -148,13 +157,9 @@ std::vector<std::string> write_results(const RenderOptions& options, const Check
                                        RenderResult& result, std::vector<std::string> outputs,
                                        Checkpointer* checkpointer, const StopRequests& requests, Progress& progress)
 {
-    if (!result.incomplete.empty()) log_warning("{}", result.incomplete);
-    if (result.passes_lost > 0)
-        log_warning("the image holds {} passes; {} more were lost by stopping at once", result.passes,
-                    result.passes_lost);
-
     std::vector<std::string> problems;
-    if (result.failed) problems.push_back(fmt::format("{}; the image holds {} passes", result.reason, result.passes));
+    if (result.failed)
+        problems.push_back(fmt::format("{}; the image holds {}", result.reason, counted(result.passes, "pass")));
     if (!result.film_whole)
         std::erase_if(outputs, [&](const std::string& path) {
             if (!is_state_path(path)) return false;
@@ -184,6 +189,28 @@ std::vector<std::string> write_results(const RenderOptions& options, const Check
     return problems;
 }
 
+// What the image hangs on, and how it came about.
+CheckpointHeader identify(const RenderOptions& options, const RenderStart& start, const scene::Description& description,
+                          const IntegratorChoice& choice, const Integrator& integrator, const FilmSettings& film)
+{
+    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
+    CheckpointHeader identity;
+    identity.files = hash_files(description.files);
+    identity.pbrt_coats = options.pbrt_coats;
+    identity.arguments = start.arguments;
+    identity.folder = start.folder;
+    identity.settings.assign(choice.settings.values().begin(), choice.settings.values().end());
+    identity.film = film;
+    identity.record = {fmt::format("{} ({})", build_info::version, build_info::commit),
+                       start.command_line,
+                       options.scene,
+                       std::string(choice.entry->name),
+                       integrator.report(),
+                       options.seed.value_or(static_cast<uint64_t>(scene_seed)),
+                       thread_count()};
+    return identity;
+}
+
 // Puts the passes of the checkpoint into the film; refuses when they are of another render.
 void load_checkpoint(const RenderStart& start, const CheckpointHeader& identity, Film& film)
 {
@@ -201,6 +228,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     if (options.quiet) set_log_level(LogLevel::silent);
     set_thread_count(options.threads);
     const bool resumed = !start.checkpoint.empty();
+    Interrupts interrupts;
 
     scene::Description description = read_changed_scene(options);
     IntegratorChoice choice =
@@ -210,13 +238,6 @@ int render(const RenderOptions& options, const RenderStart& start)
 
     const std::vector<std::string> outputs = outputs_of(options, start, description);
     const StopRule stop = stop_rule(options, description);
-    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
-
-    CheckpointHeader identity;
-    identity.files = hash_files(description.files);
-    identity.pbrt_coats = options.pbrt_coats;
-    identity.arguments = start.arguments;
-    identity.folder = start.folder;
 
     CompileReport compiled;
     const std::unique_ptr<World> world = compile(description, &compiled);
@@ -225,27 +246,19 @@ int render(const RenderOptions& options, const RenderStart& start)
     FilmSettings settings =
         film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
     settings.first_pass = options.first_pass;
-    check_memory(options.memory, compiled, settings, choice,
-                 options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings));
-    if (world->lights.list.empty()) log_warning("the scene has no lights: the image will be black");
+    const uint64_t record = options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings);
+    check_memory(options.memory, memory_account(compiled, settings, *choice.entry, record), choice);
     const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
     describe_passes(settings, *integrator);
     Film film(settings);
 
-    identity.settings.assign(choice.settings.values().begin(), choice.settings.values().end());
-    identity.film = settings;
-    identity.record = {fmt::format("{} ({})", build_info::version, build_info::commit),
-                       start.command_line,
-                       options.scene,
-                       std::string(choice.entry->name),
-                       integrator->report(),
-                       options.seed.value_or(static_cast<uint64_t>(scene_seed)),
-                       thread_count()};
+    const CheckpointHeader identity = identify(options, start, description, choice, *integrator, settings);
     load_checkpoint(start, identity, film);
 
     const std::unique_ptr<Progress> progress = make_progress(options.quiet ? ProgressKind::none : options.progress);
     StopRequests requests;
-    const InterruptHandler handler(requests);
+    interrupts.pass_to(requests);
+    if (resumed) progress->note(going_on(start, stop));
     RenderJob job{*world, *integrator, film, identity.record.integrator, identity.record.seed, stop};
     job.before = start.header.counters;
 
@@ -270,6 +283,7 @@ int render(const RenderOptions& options, const RenderStart& start)
 
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
+    report_lacks(result, choice);
     if (view && (result.film_whole || film.cut())) view->finish(film);
     std::vector<std::string> problems = write_results(options, identity, film, result, outputs,
                                                       checkpointer ? &*checkpointer : nullptr, requests, *progress);
@@ -278,8 +292,9 @@ int render(const RenderOptions& options, const RenderStart& start)
     } catch (const UserError& error) {
         problems.emplace_back(error.what());
     }
+    report_missing_images(compiled.missing_images);
     if (!problems.empty()) throw Failure(fmt::format("{}", fmt::join(problems, "; ")));
-    return 0;
+    return result.by_request && !result.incomplete.empty() ? interrupts.status() : 0;
 }
 
 Command add_render(CLI::App& app, const Invocation& invocation)

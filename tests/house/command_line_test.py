@@ -3,6 +3,7 @@ import concurrent.futures
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -98,6 +99,13 @@ class CommandLine(unittest.TestCase):
                 ((*render, "--layers", "caustics"),
                  "--layers takes words of all,beauty,guides,classes,groups,photons,error, not 'caustics'; 'classes' has "
                  "the layer 'caustic'"),
+                ((*render, "-o", "b.jpg"),
+                 "cannot write image 'b.jpg': an image ends in .exr (linear, all layers), .png (8-bit sRGB), .hdr or "
+                 ".pfm (linear), or in .dapple (the render itself, for dapple resume and dapple merge); others are "
+                 "made of a .png: 'oiiotool b.png -o b.jpg'"),
+                (("compare", "a.exr", "b.exr", "-o", "c.tif"),
+                 "cannot write image 'c.tif': an image ends in .exr (linear, all layers), .png (8-bit sRGB), .hdr or "
+                 ".pfm (linear); others are made of a .png: 'oiiotool c.png -o c.tif'"),
                 ((*render, "--checkpoint", "a.exr"),
                  "--checkpoint takes a file that ends in .dapple, or none, not 'a.exr'"),
                 ((*render, "-i", "path", "-D", "radiustest=true"),
@@ -128,6 +136,12 @@ class CommandLine(unittest.TestCase):
         self.dapple("render", SCENE, "--quiet")
         self.assertEqual(self.header("ball.exr", "dapple:passes"), "4")
         self.assertEqual(self.header("ball.exr", "dapple:integrator"), "path")
+
+    def test_a_first_pass_that_is_cut_says_what_helps(self):
+        errors = self.dapple("render", SCENE, "-i", "photonmap", "--time", "1ms", "-o", "a.exr", "--resolution",
+                             "800x600").stderr
+        self.assertRegex(errors, "the first pass was cut short at .*; what helps: a longer --time, or a smaller "
+                                 "--resolution, -D photons\n")
 
     def test_every_scene_of_ours_renders(self):
         scenes = sorted((pathlib.Path(__file__).resolve().parents[2] / "scenes").glob("*.pbrt"))
@@ -176,7 +190,8 @@ class CommandLine(unittest.TestCase):
         end = [event for event in map(json.loads, result.stdout.splitlines()) if event["event"] == "end"][0]
         self.assertAlmostEqual(end["elapsed"], 2, delta=0.1)
 
-    def interrupted(self, signals, *options):
+    def signalled(self, signals, *options):
+        """Exit status and errors of a render that gets SIGINT so many times after 1.5 s."""
         render = subprocess.Popen([PROGRAM, "render", SCENE, "-o", "a.exr", "--progress", "none", *options], cwd=self.folder,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL)
         time.sleep(1.5)
@@ -184,22 +199,36 @@ class CommandLine(unittest.TestCase):
             os.kill(render.pid, signal.SIGINT)
             time.sleep(0.05)
         _, errors = render.communicate(timeout=60)
-        self.assertEqual(render.returncode, 0, errors)
-        return errors
+        return render.returncode, errors
+
+    def test_interrupt_while_loading_ends_at_once_and_says_so(self):
+        (self.folder / "long.pbrt").write_text('WorldBegin\n' + 'Shape "sphere"\n' * 1000000)
+        render = subprocess.Popen([PROGRAM, "render", "long.pbrt", "-o", "a.exr"], cwd=self.folder,
+                                  stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL)
+        status = pathlib.Path(f"/proc/{render.pid}/status")
+        while not int(status.read_text().split("SigCgt:")[1].split()[0], 16) & 1 << (signal.SIGINT - 1):
+            time.sleep(0.001)
+        render.send_signal(signal.SIGINT)
+        _, errors = render.communicate(timeout=5)
+        self.assertEqual(errors, "dapple: error: interrupted while loading the scene: nothing is written\n")
+        self.assertEqual(render.returncode, -signal.SIGINT)  # 130 in a shell
+        self.assertFalse((self.folder / "a.exr").exists())
 
     def test_first_interrupt_finishes_the_pass(self):
-        self.interrupted(1, "--passes", "1000000")
+        status, errors = self.signalled(1, "--passes", "1000000")
+        self.assertEqual(status, 0, errors)
         self.assertEqual(self.header("a.exr", "dapple:end"), "stopped by request")
         self.assertGreater(int(self.header("a.exr", "dapple:passes")), 0)
 
     def test_second_interrupt_still_writes(self):
-        errors = self.interrupted(2, "--passes", "5", "--resolution", "3000x3000", "--layers", "beauty")
-        passes = int(self.header("a.exr", "dapple:passes"))
-        if passes == 0:
-            self.assertIn("the first pass was cut short", errors)
-            self.assertIsNotNone(self.header("a.exr", "dapple:incomplete"))
-        else:
-            self.assertIsNone(self.header("a.exr", "dapple:incomplete"))
+        for integrator in ("path", "vcm"):
+            with self.subTest(integrator=integrator):
+                status, errors = self.signalled(2, "-i", integrator, "--passes", "5", "--resolution", "3000x3000",
+                                                "--layers", "beauty")
+                passes = int(self.header("a.exr", "dapple:passes"))
+                self.assertEqual(status, 130 if passes == 0 else 0, errors)
+                self.assertEqual(self.header("a.exr", "dapple:incomplete") is not None, passes == 0)
+                self.assertEqual("the first pass was cut short" in errors, passes == 0)
 
     def test_compare_has_an_exit_status(self):
         self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "one.exr", "--seed", 1)
@@ -224,11 +253,33 @@ class CommandLine(unittest.TestCase):
                              ("fog", r"suits +path, lightpath, bdpt, vcm: media scatter"),
                              ("shapes", r"suits +path: no caustics")):
             self.assertRegex(self.dapple("inspect", scenes / (scene + ".pbrt")).stdout, suits)
-        for integrator, memory in (("path", r"film [\d.]+ MiB\n"), ("photonmap", r", about [\d.]+ MiB for photon maps\n"),
+        for integrator, memory in (("path", r"film [\d.]+ MiB\n  --memory must be above [\d.]+ MiB\n"), ("photonmap", r", about [\d.]+ MiB for photon maps\n"),
                                    ("sppm", r", about [\d.]+ MiB for photon maps\n"),
                                    ("vcm", r", about [\d.]+ MiB for light paths\n"),
-                                   ("photonsplat", r", the pixels' points [\d.]+ MiB\n")):
+                                   ("photonsplat", r", kept for each pixel [\d.]+ MiB\n")):
             self.assertRegex(self.dapple("inspect", scenes / "glass-caustic.pbrt", "-i", integrator).stdout, memory)
+
+    def test_memory_is_one_account(self):
+        text = self.dapple("inspect", SCENE, "-i", "photonmap").stdout
+        above = float(re.search(r"\n  --memory must be above ([\d.]+) MiB; what is above is for photon maps\n", text)[1])
+        render = ("render", SCENE, "-i", "photonmap", "--passes", 1, "-o", "a.exr", "--quiet", "--memory")
+        self.dapple(*render, f"{above + 0.1}M")
+        self.dapple(*render, f"{above - 0.1}M", status=2)
+
+    def test_what_a_scene_lacks_is_said(self):
+        (self.folder / "black.pbrt").write_text("""Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+            WorldBegin
+            Texture "wood" "spectrum" "imagemap" "string filename" "Wood.png"
+            Material "diffuse" "texture reflectance" "wood"
+            Shape "sphere" """)
+        (self.folder / "wood.jpg").write_text("")
+        missing = "black.pbrt:3:13: cannot read image 'Wood.png': no such file; there is 'wood.jpg'; it is shown magenta"
+        dark = "the scene has no lights: the image will be black"
+        text = self.dapple("inspect", "black.pbrt").stdout
+        self.assertIn(f"warning       {missing}\nwarning       {dark}\n", text)
+        lines = self.dapple("render", "black.pbrt", "--passes", 1, "-o", "a.exr").stderr.splitlines()
+        self.assertEqual(lines[:2], [f"warning: {missing}", f"warning: {dark}"])
+        self.assertEqual(lines[-1], "warning: 1 texture file could not be read and is magenta in this image: Wood.png")
 
     def test_inspect_heeds_caustics_by_how_much_light_they_are(self):
         for radius, light, suits in ((0.2, "0 0 3", "path: no caustics"),

@@ -96,6 +96,17 @@ class Resume(unittest.TestCase):
             number += 1
         print(f"{total} kills in {number} renders", file=sys.stderr)
 
+    def test_it_says_where_it_goes_on(self):
+        self.dapple("render", "ball.pbrt", "-o", "a.exr", "--passes", 4, "--checkpoint", "a.dapple", *FAST)
+        holds = rf"'{self.folder}/a.dapple' holds 4 passes \(\d+ s\)"
+        self.assertRegex(self.dapple("resume", "a.dapple"), holds + ", all that is asked for")
+        self.assertRegex(self.dapple("resume", "a.dapple", "--time", "1ms"), holds + ", and --time 0 s counts from the")
+        self.assertRegex(self.dapple("resume", "a.dapple", "--passes", 6, "--time", "1h"),
+                         holds + "; going on with pass 5 of 6, until 1 h 00 min in all\n")
+        self.assertRegex(self.dapple("resume", "a.dapple", "--passes", 3),
+                         r"a.dapple' holds 6 passes \(\d+ s\), and --passes 3 counts from the first: the image of these is "
+                         "written\n")
+
     def test_eight_passes_are_eight_merged_passes(self):
         for integrator in integrators():
             options = ("render", "ball.pbrt", "-i", integrator, "--layers", "all,error", *FAST)

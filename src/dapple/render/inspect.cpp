@@ -1,6 +1,7 @@
 // A dry run in words.
 #include "dapple/render/inspect.h"
 
+#include "dapple/base/words.h"
 #include "dapple/integrators/light_survey.h"
 #include "dapple/render/duration.h"
 #include "dapple/render/film_settings.h"
@@ -67,7 +68,7 @@ std::string_view camera_name(scene::Camera::Kind kind)
 void add_lights(std::vector<std::string>& lines, const World& world)
 {
     const std::vector<LightSummary> lights = summarise_lights(world);
-    lines.push_back(fmt::format("lights        {} ({} emitters)", lights.size(), world.lights.list.size()));
+    lines.push_back(fmt::format("lights        {} ({})", lights.size(), counted(world.lights.list.size(), "emitter")));
     for (size_t i = 0; i < std::min(lights.size(), most_lights_shown); ++i) {
         const LightSummary& light = lights[i];
         lines.push_back(fmt::format("  {:5.1f} % of photons, power {:.4g}: {}{}", 100 * light.share, light.power,
@@ -75,7 +76,22 @@ void add_lights(std::vector<std::string>& lines, const World& world)
     }
     if (lights.size() > most_lights_shown)
         lines.push_back(fmt::format("  and {} weaker ones", lights.size() - most_lights_shown));
-    if (lights.empty()) lines.push_back("  the image will be black");
+}
+
+// All that a render takes, and how --memory (check_memory) sees it.
+void add_memory(std::vector<std::string>& lines, const MemoryAccount& account, const PassMemory& pass)
+{
+    const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
+    const auto pass_bytes = static_cast<uint64_t>(pass.bytes);
+    const bool shared = pass_bytes > 0;
+    lines.push_back(
+        fmt::format("memory        {}: program {}, geometry {}, ray tracing {}, textures {}, media {}, film {}{}{}",
+                    size(account.total() + pass_bytes), size(account.program), size(account.geometry),
+                    size(account.accelerator), size(account.textures), size(account.media), size(account.film),
+                    shared ? fmt::format(", about {} for {}", size(pass_bytes), pass.of) : "",
+                    account.points > 0 ? fmt::format(", kept for each pixel {}", size(account.points)) : ""));
+    lines.push_back(fmt::format("  --memory must be above {}{}", size(account.total()),
+                                shared ? fmt::format("; what is above is for {}", pass.of) : ""));
 }
 
 // Which algorithms find what there is to find: photons find caustics, and the registry says who gathers them and who
@@ -117,7 +133,7 @@ std::vector<LightSummary> summarise_lights(const World& world)
         const uint32_t count = geometry.is_mesh ? static_cast<uint32_t>(world.meshes[geometry.mesh].indices.size() / 3)
                                                 : geometry.primitive_count;
         const std::string pieces =
-            count > 1 ? fmt::format(" ({} {})", count, geometry.is_mesh ? "triangles" : "pieces") : std::string();
+            count > 1 ? fmt::format(" ({})", counted(count, geometry.is_mesh ? "triangle" : "piece")) : std::string();
         add("area light on " + world.name_of(g) + pieces, geometry.first_light.value, count);
     }
     for (uint32_t i = 0; i < world.lights.list.size(); ++i)
@@ -143,28 +159,21 @@ std::vector<std::string> inspect(const scene::Description& description, const Wo
     lines.push_back(fmt::format("camera        {}{}, shutter {:g} s to {:g} s", camera_name(description.camera.kind),
                                 description.camera.lens_radius > 0 ? " with lens" : "", description.camera.shutter_open,
                                 description.camera.shutter_close));
-    lines.push_back(fmt::format("integrator    {} (the scene says {}), {} passes unless --passes or --time",
-                                choice.entry->name, description.integrator.name, description.sampler.pixel_samples));
-    lines.push_back(
-        fmt::format("geometry      {} shapes, {} objects; {} triangles and {} other primitives stored, {} "
-                    "instances",
-                    description.shapes.size(), description.objects.size(), format_count(report.triangles),
-                    format_count(report.other_primitives), report.instances));
+    lines.push_back(fmt::format("integrator    {} (the scene says {}), {} unless --passes or --time",
+                                choice.entry->name, description.integrator.name,
+                                counted(static_cast<uint64_t>(description.sampler.pixel_samples), "pass")));
+    lines.push_back(fmt::format("geometry      {}, {}; {} {} and {} other {} stored, {}",
+                                counted(description.shapes.size(), "shape"),
+                                counted(description.objects.size(), "object"), format_count(report.triangles),
+                                plural(report.triangles, "triangle"), format_count(report.other_primitives),
+                                plural(report.other_primitives, "primitive"), counted(report.instances, "instance")));
     lines.push_back("materials     " + material_counts(description));
     lines.push_back("media         " + medium_counts(description));
     add_lights(lines, world);
     lines.push_back("suits         " + what_suits(world));
-    const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
     Statistics statistics;
-    const PassMemory pass = integrator ? integrator->pass_memory({world, 0, 0, statistics}, settings) : PassMemory();
-    const auto pass_bytes = static_cast<uint64_t>(pass.bytes);
-    const uint64_t points = pixel_count(settings) * choice.entry->bytes_per_pixel;
-    lines.push_back(fmt::format("memory        {}: geometry {}, ray tracing {}, textures {}, media {}, film {}{}{}",
-                                size(scene_bytes(report) + film_bytes(settings) + pass_bytes + points),
-                                size(report.geometry_bytes), size(report.accelerator_bytes), size(report.texture_bytes),
-                                size(report.medium_bytes), size(film_bytes(settings)),
-                                pass_bytes > 0 ? fmt::format(", about {} for {}", size(pass_bytes), pass.of) : "",
-                                points > 0 ? fmt::format(", the pixels' points {}", size(points)) : ""));
+    add_memory(lines, memory_account(report, settings, *choice.entry),
+               integrator ? integrator->pass_memory({world, 0, 0, statistics}, settings) : PassMemory());
     lines.push_back(fmt::format(
         "compiling     {:.2f} s: textures {:.2f} s, shapes {:.2f} s, ray tracing {:.2f} s, lights {:.2f} s",
         report.seconds_textures + report.seconds_shapes + report.seconds_accelerator + report.seconds_lights,

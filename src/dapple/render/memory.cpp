@@ -26,31 +26,37 @@ uint64_t film_bytes(const FilmSettings& settings)
     return pixel_count(settings) * (channels + errors) * 16;
 }
 
-uint64_t scene_bytes(const CompileReport& report)
+MemoryAccount memory_account(const CompileReport& report, const FilmSettings& settings, const IntegratorEntry& entry,
+                             uint64_t techniques)
 {
-    return report.geometry_bytes + report.accelerator_bytes + report.texture_bytes + report.medium_bytes;
+    MemoryAccount account;
+    account.geometry = report.geometry_bytes;
+    account.accelerator = report.accelerator_bytes;
+    account.textures = report.texture_bytes;
+    account.media = report.medium_bytes;
+    account.film = film_bytes(settings) / 4 * 5;
+    account.points = pixel_count(settings) * entry.bytes_per_pixel;
+    account.techniques = techniques;
+    return account;
 }
 
-void check_memory(uint64_t limit, const CompileReport& report, const FilmSettings& settings, IntegratorChoice& choice,
-                  uint64_t techniques)
+void check_memory(uint64_t limit, const MemoryAccount& account, IntegratorChoice& choice)
 {
     if (limit == 0) return;
     const auto size = [](uint64_t bytes) { return format_size(static_cast<double>(bytes)); };
-    const uint64_t scene = scene_bytes(report);
-    const uint64_t film = film_bytes(settings) / 4 * 5;
-    const uint64_t points = pixel_count(settings) * choice.entry->bytes_per_pixel;
-    const uint64_t fixed = program_bytes + scene + film + points + techniques;
-    if (fixed >= limit)
+    if (account.total() >= limit)
         throw UserError(fmt::format(
             "--memory {} is not enough: the program takes {}, the scene {}, the film {}{}{} (fewer --layers or "
             "a smaller --resolution take less)",
-            size(limit), size(program_bytes), size(scene), size(film),
-            points > 0 ? fmt::format(", the pixels' points of {} {}", choice.entry->name, size(points)) : "",
-            techniques > 0 ? fmt::format(", the layers of --techniques {}", size(techniques)) : ""));
+            size(limit), size(account.program), size(account.scene()), size(account.film),
+            account.points > 0
+                ? fmt::format(", what {} keeps for each pixel {}", choice.entry->name, size(account.points))
+                : "",
+            account.techniques > 0 ? fmt::format(", the layers of --techniques {}", size(account.techniques)) : ""));
     const auto has = [](const SettingInfo& info) { return info.name == "memory"; };
     if (std::any_of(choice.entry->settings.begin(), choice.entry->settings.end(), has) &&
         choice.settings.is_auto("memory"))
-        choice.settings.set("memory", std::to_string(limit - fixed));
+        choice.settings.set("memory", std::to_string(limit - account.total()));
 }
 
 }  // namespace dapple

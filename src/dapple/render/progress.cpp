@@ -1,6 +1,7 @@
 // What a person or a program sees while a render runs.
 #include "dapple/render/progress.h"
 
+#include "dapple/base/words.h"
 #include "dapple/render/duration.h"
 
 #include <fmt/format.h>
@@ -48,9 +49,9 @@ public:
 
     void end(const ProgressState& state, const std::string& reason) override
     {
-        std::string done =
-            fmt::format("{} pass{} in {:.1f} s", state.passes_done, state.passes_done == 1 ? "" : "es", state.elapsed);
-        if (state.photons > 0) done += ", " + format_count(state.photons) + " photons";
+        std::string done = fmt::format("{} in {:.1f} s", counted(state.passes_done, "pass"), state.elapsed);
+        if (state.photons > 0)
+            done += fmt::format(", {} {}", format_count(state.photons), plural(state.photons, "photon"));
         print_line(done + ": " + reason);
     }
 

@@ -1,5 +1,6 @@
 #include "dapple/world/compile.h"
 
+#include "dapple/base/log.h"
 #include "dapple/world/accelerator.h"
 #include "dapple/world/compile_parts.h"
 
@@ -75,6 +76,8 @@ std::unique_ptr<World> compile(const scene::Description& description, CompileRep
         world->has_scattering_media |= medium.scatters();
         world->has_emitting_media |= medium.emits();
     }
+    if (world->lights.list.empty() && !world->has_emitting_media)
+        log_warning("the scene has no lights: the image will be black");
     measure(*world, report);
     if (report_out) *report_out = report;
     return world;

@@ -20,6 +20,7 @@ struct CompileReport {
     size_t accelerator_bytes = 0;
     size_t texture_bytes = 0;
     size_t medium_bytes = 0;
+    std::vector<std::string> missing_images;  // files of textures that could not be read: shown magenta
     double seconds_textures = 0.0;
     double seconds_shapes = 0.0;
     double seconds_accelerator = 0.0;

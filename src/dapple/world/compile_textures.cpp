@@ -57,6 +57,7 @@ void read_images(CompileContext& context)
     for (Request& request : requests) {
         if (!request.failure.empty()) {
             log_warning("{}: {}; it is shown magenta", request.at.to_string(), request.failure);
+            context.report.missing_images.push_back(request.texture->file.string());
             request.image = Image(1, 1, 3);
             request.image.pixels = {1.0f, 0.0f, 1.0f};
         }

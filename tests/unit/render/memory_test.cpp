@@ -25,6 +25,11 @@ protected:
         choice_.settings = Settings(table);
     }
 
+    void check(uint64_t limit, uint64_t techniques = 0)
+    {
+        check_memory(limit, memory_account(report_, film_, entry_, techniques), choice_);
+    }
+
     IntegratorEntry entry_{"fake", "", table, true, true, nullptr};
     IntegratorChoice choice_;
     FilmSettings film_;
@@ -36,32 +41,35 @@ TEST_F(Memory, IsCountedByParts)
     EXPECT_EQ(film_bytes(film_), 100u * 10 * 3 * 16);
     film_.crop_max = Int2(50, 10);
     EXPECT_EQ(film_bytes(film_), 50u * 10 * 3 * 16);
-    EXPECT_EQ(scene_bytes(report_), 1500u);
+    const MemoryAccount account = memory_account(report_, film_, entry_);
+    EXPECT_EQ(account.scene(), 1500u);
+    EXPECT_EQ(account.film, 50u * 10 * 3 * 16 * 5 / 4);
+    EXPECT_EQ(account.total(), program_bytes + account.scene() + account.film);
 }
 
 TEST_F(Memory, RefusesWhatDoesNotFit)
 {
-    EXPECT_NO_THROW(check_memory(0, report_, film_, choice_));
-    EXPECT_THROW(check_memory(program_bytes + 61499, report_, film_, choice_), UserError);
-    EXPECT_NO_THROW(check_memory(program_bytes + 61501, report_, film_, choice_));
+    EXPECT_NO_THROW(check(0));
+    EXPECT_THROW(check(program_bytes + 61499), UserError);
+    EXPECT_NO_THROW(check(program_bytes + 61501));
 }
 
 TEST_F(Memory, WhatIsLeftGoesToTheIntegrator)
 {
-    check_memory(program_bytes + 100000, report_, film_, choice_);
+    check(program_bytes + 100000);
     EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500);
     choice_.settings.set("memory", "7");
-    check_memory(program_bytes + 100000, report_, film_, choice_);
+    check(program_bytes + 100000);
     EXPECT_EQ(choice_.settings.integer("memory"), 7) << "the user's own value stays";
 }
 
 TEST_F(Memory, CountsWhatAPassKeepsForEachPixel)
 {
     entry_.bytes_per_pixel = 10;
-    check_memory(program_bytes + 100000, report_, film_, choice_);
+    check(program_bytes + 100000);
     EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500 - 100 * 10 * 10);
     entry_.bytes_per_pixel = 40;
-    EXPECT_THROW(check_memory(program_bytes + 100000, report_, film_, choice_), UserError);
+    EXPECT_THROW(check(program_bytes + 100000), UserError);
 }
 
 // 43 layers of three channels and a beauty in each of two films, 16 bytes each, and three quarters of one for writing.
@@ -69,10 +77,10 @@ TEST_F(Memory, CountsTheRecordOfTechniques)
 {
     const uint64_t techniques = TechniqueRecord::bytes(film_);
     EXPECT_EQ(techniques, 100u * 10 * (43 + 1) * 3 * 16 * 11 / 4);
-    check_memory(program_bytes + 100000 + techniques, report_, film_, choice_, techniques);
+    check(program_bytes + 100000 + techniques, techniques);
     EXPECT_EQ(choice_.settings.integer("memory"), 100000 - 61500);
     try {
-        check_memory(program_bytes + 100000, report_, film_, choice_, techniques);
+        check(program_bytes + 100000, techniques);
         ADD_FAILURE() << "the record of techniques is not refused";
     } catch (const UserError& error) {
         EXPECT_NE(std::string_view(error.what()).find("--techniques"), std::string_view::npos) << error.what();
