@@ -3,6 +3,7 @@
 
 #include "dapple/formats/spd.h"
 #include "dapple/scene/names.h"
+#include "dapple/spectrum/make_spectrum.h"
 
 #include <fmt/format.h>
 
@@ -183,7 +184,7 @@ scene::SpectrumSource PbrtParameters::named_spectrum(const PbrtParameter& parame
     const bool is_file = context_->limits().other_files && std::filesystem::is_regular_file(path, error);
     if (!is_file)
         throw UserError(where, fmt::format("spectrum '{}' is neither a known name nor a file{}", shown(name),
-                                           suggest(name, scene::spectrum_names())));
+                                           named_spectrum_hint(name)));
     return scene::SpectrumSource(read_spd(path, where), where);
 }
 

@@ -6,7 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <utility>
 
 namespace dapple {
 namespace {
@@ -132,7 +135,7 @@ SpectrumValue make_named(SpectrumPool& pool, std::string_view name)
         return from_table(pool, *illuminant, SpectrumRole::light);
     const std::vector<float> index = refractive_index_table(name);
     if (!index.empty()) return from_table(pool, index, SpectrumRole::index);
-    throw UserError(fmt::format("unknown spectrum '{}'{}", name, did_you_mean(name, named_spectrum_names())));
+    throw UserError(fmt::format("unknown spectrum '{}'{}", name, named_spectrum_hint(name)));
 }
 
 std::vector<std::string_view> named_spectrum_names()
@@ -141,6 +144,40 @@ std::vector<std::string_view> named_spectrum_names()
     const std::vector<std::string_view> indices = refractive_index_names();
     names.insert(names.end(), indices.begin(), indices.end());
     return names;
+}
+
+std::string named_spectrum_hint(std::string_view name)
+{
+    constexpr size_t longest = 64;  // no known name is longer
+    if (name.size() > longest) return {};
+    constexpr std::pair<std::string_view, std::string_view> metals[] = {
+        {"silver", "Ag"}, {"aluminium", "Al"}, {"aluminum", "Al"}, {"gold", "Au"}, {"copper", "Cu"}, {"brass", "CuZn"}};
+    std::string lower(name);
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const auto& [metal, symbol] : metals) {
+        if (lower.find(metal) == lower.npos) continue;
+        if (lower.ends_with("eta") || lower.ends_with("-k"))
+            return fmt::format("; did you mean 'metal-{}-{}'?", symbol, lower.back() == 'k' ? "k" : "eta");
+        return fmt::format("; did you mean 'metal-{0}-eta' or 'metal-{0}-k'?", symbol);
+    }
+
+    // Symbols of two letters are all near one another: another one is not meant.
+    constexpr std::string_view prefix = "metal-", suffix = "-eta";
+    const std::vector<std::string_view> known = named_spectrum_names();
+    std::vector<std::string_view> symbols;
+    for (const std::string_view word : known)
+        if (word.starts_with(prefix) && word.ends_with(suffix))
+            symbols.push_back(word.substr(prefix.size(), word.size() - prefix.size() - suffix.size()));
+    const size_t end = lower.rfind('-');
+    if (!lower.starts_with(prefix) || end < prefix.size()) return did_you_mean(name, known);
+    const std::string symbol = lower.substr(prefix.size(), end - prefix.size());
+    const auto is_symbol = [&](std::string_view candidate) {
+        return std::equal(candidate.begin(), candidate.end(), symbol.begin(), symbol.end(),
+                          [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
+    };
+    if (std::any_of(symbols.begin(), symbols.end(), is_symbol)) return did_you_mean(name, known);
+    return fmt::format("; the metals are {}, as in 'metal-{}-eta' and 'metal-{}-k'", fmt::join(symbols, ", "),
+                       symbols.front(), symbols.front());
 }
 
 float photometric_scale(const SpectrumPool& pool, const SpectrumValue& value)

@@ -8,6 +8,7 @@
 #include "dapple/spectrum/standard_tables.h"
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -45,6 +46,9 @@ SpectrumValue make_sampled(SpectrumPool& pool, std::span<const float> lambdas, s
 // name.
 SpectrumValue make_named(SpectrumPool& pool, std::string_view name);
 std::vector<std::string_view> named_spectrum_names();
+// What may be meant by a name that is not among these, to be added to a message: the nearest, the symbol for a metal's
+// full name, or which metals there are. Empty where nothing is near.
+std::string named_spectrum_hint(std::string_view name);
 
 // The factor that gives a light of this spectrum Y = 1: 1 / integral of ybar S dlambda, and for RGB illuminants that of
 // the white alone, so that the RGB keeps its luminance (as pbrt). 0 for a spectrum without luminance. Emission of the

@@ -247,6 +247,17 @@ TEST(MakeSpectrum, EveryNameWorksAndOthersAreUserErrors)
     EXPECT_NE(message_of(pool, "zzz").find("unknown spectrum 'zzz'"), std::string::npos);
 }
 
+TEST(MakeSpectrum, HintsKnowMetalsInWords)
+{
+    EXPECT_EQ(named_spectrum_hint("Gold"), "; did you mean 'metal-Au-eta' or 'metal-Au-k'?");
+    EXPECT_EQ(named_spectrum_hint("metal-Aluminium-k"), "; did you mean 'metal-Al-k'?");
+    EXPECT_EQ(named_spectrum_hint("METAL-CUZN-ETA"), "; did you mean 'metal-CuZn-eta'?");
+    EXPECT_TRUE(named_spectrum_hint("metal-Ni-k").starts_with("; the metals are Ag, "));
+    EXPECT_EQ(named_spectrum_hint("glass-BK8"), "; did you mean 'glass-BK7'?");
+    EXPECT_EQ(named_spectrum_hint("metal-"), "");
+    EXPECT_EQ(named_spectrum_hint(std::string(1000, 'x')), "");
+}
+
 TEST(MakeSpectrum, BadSamplesAreUserErrors)
 {
     SpectrumPool pool;
