@@ -121,23 +121,23 @@ int progress_percent(double fraction)
 std::string format_progress(const ProgressState& state, int bar_width)
 {
     std::string text;
-    const bool known = state.passes_total > 0 || state.remaining >= 0;
+    const bool known = state.passes_total > 0 || state.remaining >= 0 || state.stopping;
     if (known) text += fmt::format("{:2} % ", progress_percent(state.fraction));
     if (known && bar_width > 0) {
         const int filled = std::min(static_cast<int>(state.fraction * bar_width), bar_width - 1);
         text += fmt::format("[{:#<{}}{:.<{}}] ", "", filled, "", bar_width - filled);
     }
-    text += fmt::format("pass {}", state.passes_done + 1);
-    if (state.passes_total > 0) text += fmt::format(" of {}", state.passes_total);
+    text += fmt::format("{}pass {}", state.stopping ? "of " : "", state.passes_done + 1);
+    if (state.stopping)
+        text += ", the last";
+    else if (state.passes_total > 0)
+        text += fmt::format(" of {}", state.passes_total);
     if (state.eye_paths > 0) text += fmt::format(", {} eye paths", format_count(state.eye_paths));
     if (state.light_paths > 0) text += fmt::format(", {} light paths", format_count(state.light_paths));
     if (state.photons > 0) text += fmt::format(", {} photons", format_count(state.photons));
     if (state.error >= 0) text += fmt::format(", error {:.2g} %", 100 * state.error);
     text += fmt::format(", {}", format_duration(state.elapsed));
-    if (state.stopping)
-        text += ", stopping after this pass";
-    else if (state.remaining >= 0)
-        text += fmt::format(", {} left", format_duration(state.remaining));
+    if (state.remaining >= 0) text += fmt::format(", {} left", format_duration(state.remaining));
     return text;
 }
 

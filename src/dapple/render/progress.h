@@ -19,7 +19,9 @@ struct ProgressState {
     double remaining = -1;  // [s]; negative: unknown
     double fraction = 0;    // in [0, 1)
     double error = -1;      // estimated error of the image, a part of its brightness; negative: unknown
-    bool stopping = false;  // the running pass is the last one, because the user asked for it
+    // The running pass is the last one, because the user asked for it: `remaining` and `fraction` are those of the
+    // pass.
+    bool stopping = false;
 };
 
 // Whole percent, rounded down and never 100: that is for the end.

@@ -1,6 +1,8 @@
 // Passes, one after the other, with a second thread that watches the clock and the user.
 #include "dapple/render/render_job.h"
 
+#include "dapple/render/memory.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,6 +35,7 @@ public:
         statistics_.light_paths = job.before.light_paths;
         statistics_.photons_stored = job.before.photons;
         statistics_.rays = job.before.rays;
+        eye_paths_before_pass_ = job.before.eye_paths;
     }
 
     RenderResult run()
@@ -144,6 +147,7 @@ private:
         times_.add(elapsed() - pass_start_);
         done_ = job_.film.passes();
         pass_start_ = elapsed();
+        eye_paths_before_pass_ = statistics_.eye_paths.load();
         may_give_up_ = false;
     }
 
@@ -213,7 +217,23 @@ private:
                 state.fraction = now / (now + state.remaining + times_.expected());
             }
         }
+        if (state.stopping) {
+            const double part = part_of_pass(in_pass, state.eye_paths);
+            state.fraction = part;
+            state.remaining = part > 0 ? in_pass / part - in_pass : -1.0;
+        }
         return state;
+    }
+
+    // How much of the running pass is done, in [0, 1): by the time that passes take; before that is known, by its eye
+    // paths.
+    double part_of_pass(double in_pass, uint64_t eye_paths) const
+    {
+        const double expected = times_.expected();
+        const double part = expected > 0 ? in_pass / expected
+                                         : static_cast<double>(eye_paths - eye_paths_before_pass_) /
+                                               static_cast<double>(pixel_count(job_.film.settings()));
+        return std::min(part, 0.99);
     }
 
     RenderCounters counters() const
@@ -315,6 +335,7 @@ private:
     uint32_t passes_at_error_ = 0;  // 0: the error is not known
     double error_ = 0;
     double pass_start_ = 0;
+    uint64_t eye_paths_before_pass_ = 0;
     bool may_give_up_ = false;
 };
 

@@ -31,6 +31,20 @@ TEST(Progress, LineTellsPassSamplesPhotonsAndTimes)
               "20 % [##........] pass 4 of 16, 1.23 M eye paths, 45.6 k photons, 12 s, 1 min 01 s left");
 }
 
+TEST(Progress, AfterARequestTheLineIsOfThePass)
+{
+    ProgressState state;
+    state.passes_done = 3;
+    state.passes_total = 1000;
+    state.elapsed = 12.9;
+    state.remaining = 2.5;
+    state.fraction = 0.4;
+    state.stopping = true;
+    EXPECT_EQ(format_progress(state, 10), "40 % [####......] of pass 4, the last, 12 s, 2 s left");
+    state.remaining = -1;
+    EXPECT_EQ(format_progress(state, 0), "40 % of pass 4, the last, 12 s");
+}
+
 TEST(Progress, BarIsNeverFull)
 {
     ProgressState state;

@@ -94,6 +94,36 @@ TEST_F(RenderJobTest, FirstRequestFinishesThePass)
     EXPECT_EQ(result.reason, "stopped by request");
 }
 
+// Half of a first pass, by its eye paths, and a good part of a second one, by the time that the first took.
+TEST_F(RenderJobTest, ProgressAfterARequestIsThatOfThePass)
+{
+    struct Recorder final : Progress {
+        void begin(const std::string&, const std::vector<std::string>&) override {}
+        void update(const ProgressState& state) override { last = state; }
+        void note(const std::string&) override {}
+        void end(const ProgressState&, const std::string&) override {}
+        void written(const std::string&) override {}
+        ProgressState last;
+    };
+    const auto last_update = [&](uint32_t last_pass) {
+        Film film(settings());
+        StopRequests requests;
+        Recorder recorder;
+        integrator_.work = [&](const PassContext& context) {
+            if (context.pass == last_pass) requests.add();
+            sleep_ms(700);
+        };
+        run(RenderJob{world_, integrator_, film, "fake", 0, StopRule{1000, 0}}, requests, recorder);
+        EXPECT_TRUE(recorder.last.stopping);
+        return recorder.last;
+    };
+    EXPECT_DOUBLE_EQ(last_update(0).fraction, 0.5);
+    const ProgressState second = last_update(1);
+    EXPECT_GT(second.fraction, 0.5);
+    EXPECT_LE(second.fraction, 0.99);
+    EXPECT_LT(second.remaining, 0.5);
+}
+
 TEST_F(RenderJobTest, SecondRequestReturnsTheLastWholeImage)
 {
     integrator_.work = [&](const PassContext& context) {
