@@ -139,13 +139,13 @@ public:
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines;
-        lines.push_back(light_paths_ > 0 ? fmt::format("{} light paths per pass", light_paths_)
+        lines.push_back(light_paths_ > 0 ? fmt::format("light paths per pass: {}", light_paths_)
                                          : std::string("light paths per pass: one per pixel") +
                                                (plan_.stores() ? ", 1M at most" : ""));
         if (plan_.merging)
             lines.push_back(fixed_radius_ > 0.0f
-                                ? fmt::format("merging radius {} scene units in the first pass", fixed_radius_)
-                                : fmt::format("merging radius {} pixel footprints in the first pass", radius_pixels_));
+                                ? fmt::format("photons within {} scene units in the first pass", fixed_radius_)
+                                : fmt::format("photons within {} px in the first pass", radius_pixels_));
         return lines;
     }
 

@@ -20,10 +20,11 @@ GatherSettings::GatherSettings(const Settings& settings)
 
 std::string GatherSettings::describe() const
 {
-    return fmt::format("caustic radius {} in the first epoch, {} nearest photons, {} kernel",
-                       fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius)
-                                           : fmt::format("{} pixel footprints", radius_pixels),
-                       nearest, kernel_names[static_cast<size_t>(kernel)]);
+    return fmt::format(
+        "caustics: photons within {} in the first epoch; other light: {}; {} kernel",
+        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} px", radius_pixels),
+        nearest > 0 ? fmt::format("the {} nearest", nearest) : "those within that radius, too",
+        kernel_names[static_cast<size_t>(kernel)]);
 }
 
 namespace {

@@ -71,7 +71,7 @@ public:
     {
         std::vector<std::string> lines = epochs_.report();
         lines.push_back(gather_settings_.describe());
-        lines.push_back(final_gather_ ? fmt::format("final gathering with {} rays per eye path", gather_rays_)
+        lines.push_back(final_gather_ ? fmt::format("final gathering, rays per eye path: {}", gather_rays_)
                                       : std::string("direct visualisation of the photon maps"));
         return lines;
     }

@@ -63,17 +63,17 @@ std::vector<std::string> VisiblePointSettings::describe(const World& world) cons
 {
     std::vector<std::string> lines;
     if (fixed_radius_ > 0.0f)
-        lines.push_back(fmt::format("radius {:.3g} scene units in the first pass, as given", fixed_radius_));
+        lines.push_back(fmt::format("photons within {:.3g} scene units in the first pass", fixed_radius_));
     else
         lines.push_back(fmt::format(
-            "radius of {:.3g} pixel footprints in the first pass: {:.3g} scene units where the eye path is {:.3g} "
-            "long (half the scene's size)",
+            "photons within {:.3g} px in the first pass: {:.3g} scene units at a distance of {:.3g} (half the scene's "
+            "size)",
             radius_pixels_, first_radius(world.camera, 0.5f * scene_size(world)), 0.5f * scene_size(world)));
-    lines.push_back(fmt::format("squared radii fall as pass^({:.3g} - 1), {} kernel", alpha_,
+    lines.push_back(fmt::format("radii fall as pass^{:.3g}; {} kernel", 0.5f * (alpha_ - 1.0f),
                                 kernel_names[static_cast<size_t>(kernel_)]));
-    lines.push_back(paths_ > 0 ? fmt::format("{} light paths per pass, as given", paths_)
-                               : std::string("a light path per wavelength set and pixel of the full image in each "
-                                             "pass, at least 25000"));
+    lines.push_back("light paths per pass: " +
+                    (paths_ > 0 ? std::to_string(paths_)
+                                : "one per pixel of the full image for each set of wavelengths, at least 25000"));
     if (moving_) lines.push_back("shapes move: each pass shows them at a few times, and passes average these");
     return lines;
 }
