@@ -36,6 +36,8 @@ struct Bias {
 constexpr Bias biases[] = {
     {"photonmap", 0.06, 0.005, "photons of the time of their eye paths", "motion_blur"},
     {"irradiancecache", 0.06, 0.005, "as photonmap", "motion_blur"},
+    {"photonmap", 0.12, 0.04, "k-nearest estimates beside a patch that a hundred photons light", "sunlit_room"},
+    {"irradiancecache", 0.12, 0.04, "as photonmap", "sunlit_room"},
     {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics and of the global estimate"},
     {"irradiancecache", 0.06, 0.03, "as photonmap, and interpolation of irradiance"},
     {"sppm", 0.08, 0.005, "blur of three pixels at 32: caustics, indirect light that falls off in corners"},
@@ -52,7 +54,7 @@ const Selection selections[] = {
     {"irradiancecache",
      "photonmap, but for the cache: interpolation over curvature, past sheets, and at all distances",
      {"diffuse_room", "environment", "glass_and_mirror", "glossy", "many_lights", "sheets", "smooth_normals",
-      "motion_blur", "spherical"}},
+      "motion_blur", "spherical", "sunlit_room"}},
     {"sppm",
      "alpha, instances, maps of normals: eye paths are those of path, photons those of photonmap",
      {"bump", "coated", "diffuse_room", "dispersion", "environment", "glass_and_mirror", "glossy", "many_lights",
@@ -76,13 +78,14 @@ bool is_selected(const std::string& integrator, const std::string& scene)
 }
 
 // Passes of a batch: half as many where each costs several of path tracing's and has less noise; more where eye paths
-// meet the lamp by chance, through glass that parts its wavelengths.
+// meet the lamp by chance, through glass that parts its wavelengths, and where most light paths never come in.
 uint32_t batch_passes(const std::string& integrator, const std::string& scene)
 {
     const bool thorough =
         integrator == "bdpt" || integrator == "vcm" || integrator == "photonmap" || integrator == "irradiancecache";
     const bool by_chance = scene == "dispersion" && (integrator == "path" || integrator == "vcm");
-    return (thorough ? 8 : 16) * (by_chance ? 3 : 1);
+    const bool outside = scene == "sunlit_room" && (integrator == "lightpath" || integrator == "bdpt");
+    return (thorough ? 8 : 16) * (by_chance ? 3 : outside ? 6 : 1);
 }
 
 constexpr std::string_view blind_through_delta[] = {"lightpath"};

@@ -13,6 +13,13 @@
 // together keep the mean exact: with N photons within the area A of min_radius and A_k that of the k-th,
 // E[N/A; A_k < A] + E[(k-1)/A_k; A_k >= A] is the density times P(N >= k-1) + P(N < k-1).
 //
+// Beside brightly lit patches the k-th photon of a dark place lies in the patch, and so do most of the others: the
+// estimate at the distance d from the patch is k / (pi d^2), however dark the place is, which adds up to 2 k
+// log(d_max / d_min) photons too many over a floor. So the disc is halved as long as too few photons lie in its inner
+// half or quarter for a disc that is lit evenly (2.75 standard deviations). On an evenly lit plane this happens once
+// in 400 estimates, and takes 0.07 % of the light (simulated; k = 50, Epanechnikov); fewer than 16 photons are never
+// called uneven.
+//
 // What counts is decided by SurfaceRegion (photon_map.h): a flat disc, and photons whose normals agree with the
 // query's. A wall, however thin, keeps the light of its other side, unless the caller asks for it (transmission). Not
 // mended here, where nothing is known but photons: near the edge of a surface part of the disc is empty and the
@@ -45,7 +52,9 @@ struct EstimateSupport {
     int count = 0;         // photons that took part
     float radius = 0.0f;   // r [m]
     float density = 0.0f;  // photons per area [1/m^2]
-    float last = 0.0f;     // distance of the farthest photon that took part, where r is that of the next one [m]
+    // Distances of the last two of the k nearest photons [m]; infinite where there are none within max_radius.
+    float before_last = infinity;
+    float last = infinity;
     bool something_hidden = false;  // photons within r were left out: something stands on the disc
 };
 
@@ -70,7 +79,31 @@ EstimateSupport visit_within(const PhotonMap& map, const SurfaceRegion& region, 
         ++count;
         visit(slot, kernel_disc(kernel, std::sqrt(distance_squared) * inv_radius) * scale);
     });
-    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius, radius};
+    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius};
+}
+
+// The squared radius of the largest disc that may be lit evenly as far as its photons tell (see the head): that of the
+// k-th photon, which is left out, or less.
+inline float even_radius_squared(const NearestPoints& nearest, int left_out)
+{
+    constexpr int least_photons = 16;
+    constexpr float deviations = 2.75f;
+    float limit = nearest.distance_squared(left_out);
+    auto count = static_cast<float>(nearest.count() - 1);
+    const auto too_few = [&](float found, float share) {
+        return found < count * share - deviations * std::sqrt(count * share * (1.0f - share));
+    };
+    while (count >= least_photons) {
+        float half = 0.0f, quarter = 0.0f;
+        for (int i = 0; i < nearest.count(); ++i) {
+            half += nearest.distance_squared(i) < 0.5f * limit ? 1.0f : 0.0f;
+            quarter += nearest.distance_squared(i) < 0.25f * limit ? 1.0f : 0.0f;
+        }
+        if (!too_few(half, 0.5f) && !too_few(quarter, 0.25f)) break;
+        limit *= 0.5f;
+        count = half;
+    }
+    return limit;
 }
 
 }  // namespace detail
@@ -87,31 +120,42 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     if (bandwidth.nearest == 0) return detail::visit_within(map, region, bandwidth.kernel, bandwidth.max_radius, visit);
     DAPPLE_ASSERT(nearest.k() == bandwidth.nearest && bandwidth.nearest >= 2);
     map.find_nearest_on_surface(region, bandwidth.max_radius, nearest);
-    float radius = bandwidth.max_radius;
+    float radius_squared = sqr(bandwidth.max_radius);
     int left_out = -1;
+    EstimateSupport support;
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
-        radius = std::sqrt(nearest.distance_squared(left_out));
+        support.last = std::sqrt(nearest.distance_squared(left_out));
+        radius_squared = detail::even_radius_squared(nearest, left_out);
         const float least =
             std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
-        if (radius < least) return detail::visit_within(map, region, bandwidth.kernel, least, visit);
-    } else if (!(radius < infinity)) {
+        if (radius_squared < sqr(least)) {
+            const float last = support.last;
+            support = detail::visit_within(map, region, bandwidth.kernel, least, visit);
+            support.before_last = support.last = last;
+            return support;
+        }
+    } else if (!(bandwidth.max_radius < infinity)) {
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.
         if (nearest.count() < 2) return {};
         left_out = nearest.farthest();
-        radius = std::max(std::sqrt(nearest.distance_squared(left_out)), detail::least_radius(region.position));
+        radius_squared = std::max(nearest.distance_squared(left_out), sqr(detail::least_radius(region.position)));
     }
-    const float inv_radius = 1.0f / radius;
+    support.radius = std::sqrt(radius_squared);
+    const float inv_radius = 1.0f / support.radius;
     const float scale = inv_radius * inv_radius / static_cast<float>(map.emitted());
-    float last = 0.0f;
+    float before_last = 0.0f;
     for (int i = 0; i < nearest.count(); ++i) {
         if (i == left_out) continue;
-        last = std::max(last, nearest.distance_squared(i));
-        visit(nearest.index(i),
-              kernel_disc(bandwidth.kernel, std::sqrt(nearest.distance_squared(i)) * inv_radius) * scale);
+        const float distance_squared = nearest.distance_squared(i);
+        before_last = std::max(before_last, distance_squared);
+        if (distance_squared >= radius_squared && left_out >= 0) continue;
+        ++support.count;
+        visit(nearest.index(i), kernel_disc(bandwidth.kernel, std::sqrt(distance_squared) * inv_radius) * scale);
     }
-    const int count = nearest.count() - (left_out >= 0 ? 1 : 0);
-    return {count, radius, static_cast<float>(count) * inv_pi * inv_radius * inv_radius, std::sqrt(last)};
+    if (nearest.count() >= nearest.k() - 1) support.before_last = std::sqrt(before_last);
+    support.density = static_cast<float>(support.count) * inv_pi * inv_radius * inv_radius;
+    return support;
 }
 
 // Reflected (or transmitted) radiance [W/(m^2 sr)]. scattering(wi) is called with the unit direction each photon came

@@ -2,7 +2,6 @@
 
 #include "dapple/base/assert.h"
 #include "dapple/base/parallel.h"
-#include "dapple/base/path_class.h"
 
 namespace dapple {
 
@@ -19,46 +18,28 @@ FindPhotons find_photons_within(const Bandwidth& bandwidth)
 
 namespace {
 
-// W / K(0) (see the header) for a disc that holds that many records.
-float weight_of_own_photon(KernelKind kernel, float records)
-{
-    constexpr int steps = 256;
-    double weighed = 0.0, all = 0.0;
-    for (int i = 0; i < steps; ++i) {
-        const float t = (static_cast<float>(i) + 0.5f) / steps;
-        const auto gap = static_cast<double>(t * std::erfc(0.5f * std::sqrt(records) * t));
-        weighed += gap * static_cast<double>(kernel_disc(kernel, t));
-        all += gap;
-    }
-    return static_cast<float>(weighed / all) / kernel_disc(kernel, 0.0f);
-}
+constexpr float reach = 0.35f;  // of a record, in radii of its estimate
 
 }  // namespace
 
-IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, const FindPhotons& find, uint32_t stride)
+IrradianceMap::IrradianceMap(const PhotonMap& map, const std::vector<SurfacePlace>& places, int nearest_count,
+                             const FindPhotons& find)
 {
-    DAPPLE_ASSERT(bandwidth.nearest >= 2);
-    const float own_weight =
-        weight_of_own_photon(bandwidth.kernel, static_cast<float>(bandwidth.nearest - 1) / static_cast<float>(stride));
-    const uint32_t count = (map.size() + stride - 1) / stride;
+    const auto count = static_cast<uint32_t>(places.size());
     std::vector<Vec3> positions(count);
     std::vector<IrradianceRecord> records(count);
     parallel_for_ranges(count, 1024, [&](int64_t begin, int64_t end) {
-        NearestPoints nearest(bandwidth.nearest);
+        NearestPoints nearest(nearest_count);
         std::vector<WeightedPhoton> found;
-        for (int64_t i = begin; i < end; ++i) {
-            const uint32_t slot = static_cast<uint32_t>(i) * stride;
-            positions[static_cast<size_t>(i)] = map.position(slot);
-            IrradianceRecord& record = records[static_cast<size_t>(i)];
-            const EstimateSupport support = find(map, {map.position(slot), map.normal(slot)}, nearest, found);
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            positions[i] = places[i].position;
+            IrradianceRecord& record = records[i];
+            const EstimateSupport support = find(map, {places[i].position, places[i].normal}, nearest, found);
             // Beside a wall r is that of the photons on both sides: no measure of how far the record speaks.
-            record.radius = support.something_hidden ? 0.0f : support.radius;
+            record.reach = support.something_hidden ? 0.0f : reach * support.radius;
+            record.before_last = support.before_last;
             record.last = support.last;
-            const bool spread_evenly =
-                map.from_delta_light(slot) && map.path_class(slot) == static_cast<uint8_t>(PathClass::direct);
-            for (const auto& [photon, weight] : found)
-                record.irradiance +=
-                    map.flux(photon) * (photon == slot && !spread_evenly ? weight * own_weight : weight);
+            for (const auto& [photon, weight] : found) record.irradiance += map.flux(photon) * weight;
         }
     });
     std::vector<uint32_t> order;
@@ -68,7 +49,7 @@ IrradianceMap::IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, c
     normals_.resize((count + leaf - 1) / leaf * leaf * 3);
     for (uint32_t slot = 0; slot < count; ++slot) {
         records_[slot] = records[order[slot]];
-        const Vec3 normal = map.normal(order[slot] * stride);
+        const Vec3 normal = places[order[slot]].normal;
         for (uint32_t c = 0; c < 3; ++c)
             normals_[slot / leaf * leaf * 3 + c * leaf + slot % leaf] = normal[static_cast<int>(c)];
     }
@@ -87,7 +68,7 @@ const IrradianceRecord* IrradianceMap::nearest(const Vec3& position, const Vec3&
     // A record speaks for the disc that its photons came from. Where no light falls, the nearest one may be that of
     // another surface far away, even beyond a wall.
     const IrradianceRecord& record = records_[nearest.index(0)];
-    return nearest.distance_squared(0) <= record.radius * record.radius ? &record : nullptr;
+    return nearest.distance_squared(0) <= sqr(record.reach) ? &record : nullptr;
 }
 
 }  // namespace dapple

@@ -1,13 +1,8 @@
-// Irradiance computed beforehand at some photons of a map, for readers that need it at matte surfaces only.
-// Christensen 1999, "Faster photon map global illumination". The photon where an estimate is made takes part in it:
-// whoever asks for the record nearest to a point has found a gap around this point, which lacks one photon on average.
-// But the photon lies in the middle of the estimate, where the kernel is high, and the gap beside it. Let the records
-// be spread independently, a of them in a disc. The gap is a disc round the point, with the record on its edge; on
-// average the kernel K over it (over what of it lies within the estimate) is
-//   W = integral of K(t) t erfc(sqrt(a) t / 2) over t in [0, 1], divided by the same without K,
-// and so much the photon counts, not K(0): else estimates are 0.4 / k too bright with every fourth of k = 50 photons
-// and Epanechnikov's kernel. First hits of a light without extent are spread evenly: each has a gap of its own round
-// it, and counts in full.
+// Irradiance computed beforehand at places of surfaces, for readers that need it at matte surfaces only.
+// Christensen 1999, "Faster photon map global illumination". There the places are some of the photons; here they are
+// where other light paths met surfaces, which are spread as photons are but know nothing of these: at a photon of the
+// map itself an estimate is too bright, as one photon is there for sure, while whoever asks for the nearest record has
+// found a gap that lacks one.
 #pragma once
 
 #include "dapple/density/estimate.h"
@@ -25,17 +20,23 @@ using FindPhotons = std::function<EstimateSupport(const PhotonMap& map, const Su
 FindPhotons find_photons_within(const Bandwidth& bandwidth);
 
 struct IrradianceRecord {
-    Spectrum irradiance;  // [W/m^2]
-    float radius = 0.0f;  // of the estimate [m]; 0 where something stands on its disc
-    float last = 0.0f;    // as in EstimateSupport [m]
+    Spectrum irradiance;       // [W/m^2]
+    float reach = 0.0f;        // how far it speaks for other places [m]; 0 where something stands on its disc
+    float before_last = 0.0f;  // as in EstimateSupport [m]
+    float last = 0.0f;
+};
+
+struct SurfacePlace {
+    Vec3 position;
+    Vec3 normal;  // geometric, unit length, to the side whose light is meant
 };
 
 class IrradianceMap {
 public:
     IrradianceMap() = default;
-    // Estimates at every `stride`-th photon of the map, from the photons that `find` finds with this bandwidth.
+    // Estimates at places on surfaces from the photons that `find` finds; `nearest` is the k of its bandwidth.
     // Parallel; deterministic if `find` is.
-    IrradianceMap(const PhotonMap& map, const Bandwidth& bandwidth, const FindPhotons& find, uint32_t stride = 4);
+    IrradianceMap(const PhotonMap& map, const std::vector<SurfacePlace>& places, int nearest, const FindPhotons& find);
 
     bool empty() const { return records_.empty(); }
     size_t memory_bytes() const
@@ -44,7 +45,9 @@ public:
     }
 
     // The record nearest to a point of a surface whose normal agrees within 60 degrees; null when there is none within
-    // max_distance, or when the point lies beyond the radius of that record's estimate, or beside a wall.
+    // max_distance, or when the point lies beyond its reach. Beside a bright patch whose photons lie dense, the nearest
+    // record of a dark place is one of the patch, so that the patch grows by the reach: a third of the estimate's
+    // radius, which is too short once in five times where light is even.
     const IrradianceRecord* nearest(const Vec3& position, const Vec3& normal, float max_distance = infinity) const;
 
 private:

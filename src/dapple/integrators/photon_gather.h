@@ -263,9 +263,9 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
     if (vertex.bsdf.kind == BsdfKind::diffuse && !maps_.irradiance.empty()) {
         const IrradianceRecord* record =
             maps_.irradiance.nearest(vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo), since_last);
-        if (record && record->last >= since_last) return false;
+        if (record && record->before_last >= since_last) return false;
         if (record) {
-            if (record->radius >= since_last) return true;
+            if (record->last >= since_last) return true;
             const Spectrum radiance = vertex.bsdf.a * inv_pi * record->irradiance;
             sink_.add(walk.arriving() * share_ * radiance, PathClass::indirect, LightGroup(0u));
             return true;
@@ -275,8 +275,9 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
     Bandwidth bandwidth = settings_.global_bandwidth(caustic_radius());
     bandwidth.max_radius = std::min(bandwidth.max_radius, since_last);
     const EstimateSupport support = finder_.find(world_, vertex, maps_.global, bandwidth);
-    if (settings_.nearest > 0 && support.count < settings_.nearest - 1) return false;
-    if (support.radius >= since_last) return settings_.nearest > 0;
+    if (settings_.nearest == 0 && support.radius >= since_last) return false;
+    if (settings_.nearest > 0 && support.before_last >= since_last) return false;
+    if (settings_.nearest > 0 && support.last >= since_last) return true;
     add_photons(walk, maps_.global);
     return true;
 }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int usual_sets = 4;
 constexpr uint32_t most_times = 64;  // of an epoch
+constexpr int photons_per_record = 4;
 
 // The caustic photons among those of the global map, batch by batch.
 std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<Photon>>& batches)
@@ -21,13 +22,19 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     return out;
 }
 
-IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global, const Bandwidth& bandwidth, float time)
+// At the places where the light paths of the request meet surfaces.
+IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global, const Bandwidth& bandwidth,
+                            const PhotonRequest& request)
 {
-    return IrradianceMap(global, bandwidth,
+    std::vector<SurfacePlace> places;
+    for (const auto& batch : trace_photons(context.world, request))
+        for (const Photon& photon : batch) places.push_back({photon.position, photon.normal});
+    return IrradianceMap(global, places, bandwidth.nearest,
                          [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
                              std::vector<WeightedPhoton>& found) {
                              if (context.cancelled()) return EstimateSupport();
-                             return find_covered_photons(context.world, map, region, bandwidth, nearest, found, time);
+                             return find_covered_photons(context.world, map, region, bandwidth, nearest, found,
+                                                         request.time.value_or(0.5f));
                          });
 }
 
@@ -59,9 +66,10 @@ double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, C
     const double copies = plan.caustic_map ? caustic : 0.0;
     const double stored = (photons + copies) * per_path * static_cast<double>(plan.global_paths) +
                           copies * per_path * static_cast<double>(plan.caustic_paths);
-    // Kept: packed photons, and irradiance at a quarter of them. While a set is built: its photons as they were traced,
-    // with room to grow, and what sorting takes (photon_map.h).
-    const double kept = 32.0 + (plan.precompute_irradiance ? 0.25 * (sizeof(IrradianceRecord) + 28) : 0.0);
+    // Kept: packed photons, and irradiance at a quarter as many places. While a set is built: its photons as they were
+    // traced, with room to grow, and what sorting takes (photon_map.h).
+    const double kept =
+        32.0 + (plan.precompute_irradiance ? (sizeof(IrradianceRecord) + 28.0) / photons_per_record : 0.0);
     const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
     return stored * (kept + building);
 }
@@ -107,8 +115,12 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             if (context.cancelled()) return maps;
             if (plan.caustic_map) caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
-            if (plan.precompute_irradiance)
-                map.irradiance = irradiance_of(context, map.global, plan.irradiance_bandwidth, map.time.value_or(0.5f));
+            if (plan.precompute_irradiance) {
+                request.stream = stream(2);
+                request.paths = (global_paths + photons_per_record - 1) / photons_per_record;
+                map.irradiance = irradiance_of(context, map.global, plan.irradiance_bandwidth, request);
+                context.statistics.light_paths += static_cast<uint64_t>(request.paths);
+            }
         }
         const int64_t caustic_paths = plan.caustic_map ? plan.caustic_paths / plan.wavelength_sets : 0;
         if (caustic_paths > 0) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 namespace dapple {
 namespace {
 
@@ -98,6 +100,44 @@ TEST(Estimate, CountingTheFarthestPhotonWouldShow)
     });
     EXPECT_GT(s.mean() - plane_irradiance, 6.0 * s.standard_error());
     EXPECT_NEAR(s.mean(), plane_irradiance * 8.0 / 7.0, 3.5 * s.standard_error());
+}
+
+// A bright patch on a dim floor: k-nearest estimates alone reach into it from afar and count its photons again and
+// again.
+TEST(Estimate, ABrightPatchGivesTheFloorNoLight)
+{
+    constexpr int steps = 90, trials = 20;
+    constexpr float half_width = 0.9f;
+    NearestPoints nearest(50);
+    double found = 0.0, plain = 0.0, truth = 0.0;
+    for (uint64_t trial = 0; trial < trials; ++trial) {
+        std::vector<Photon> photons = lit_square(trial, 200);
+        for (size_t i = 0; i < 800; ++i) {
+            Photon photon = photons[0];
+            const uint64_t number = hash_words(trial + 1000, i);
+            photon.position = {0.4f * uniform_number(number, 1), 0.4f * uniform_number(number, 2), 0.0f};
+            photons.push_back(photon);
+        }
+        const PhotonMap map = map_of(photons, 1);
+        constexpr float step = 2.0f * half_width / steps;
+        for (int i = 0; i < steps * steps; ++i) {
+            const Vec3 at((static_cast<float>(i % steps) + 0.5f) * step - half_width,
+                          (static_cast<float>(i / steps) + 0.5f) * step - half_width, 0.0f);
+            const SurfaceRegion region{at, {0, 0, 1}};
+            found += double(estimate_irradiance(map, region, {50, infinity}, nearest).value[0] * sqr(step));
+            map.find_nearest_on_surface(region, infinity, nearest);
+            const float r_squared = nearest.distance_squared(nearest.farthest());
+            for (int j = 0; j < nearest.count(); ++j)
+                plain +=
+                    double(kernel_disc(KernelKind::epanechnikov, std::sqrt(nearest.distance_squared(j) / r_squared)) /
+                           r_squared * sqr(step));
+        }
+        truth += 200.0 * double(sqr(half_width)) + 800.0;
+    }
+    std::printf("[ measured ] light of the floor: %.3f of the truth, %.3f without looking for unevenness\n",
+                found / truth, plain / truth);
+    EXPECT_NEAR(found / truth, 1.0, 0.03);
+    EXPECT_GT(plain / truth, 1.07);
 }
 
 TEST(Estimate, ReportsItsSupport)

@@ -70,6 +70,15 @@ PhotonMap photons_of_wall(uint32_t trial, double mean, double irradiance)
     return PhotonMap(std::move(batches), 1);
 }
 
+// Many, so that all rays find a record.
+std::vector<SurfacePlace> places_of_wall(uint32_t trial)
+{
+    const PhotonMap others = photons_of_wall(1000000 + trial, 3000.0, 1.0);
+    std::vector<SurfacePlace> places;
+    for (uint32_t i = 0; i < others.size(); ++i) places.push_back({others.position(i), Vec3(1, 0, 0)});
+    return places;
+}
+
 // Every ray brings reflectance / pi times the irradiance, whether the map says so or direct light, where the photons
 // are too few. Were the map asked wherever k photons are near enough, the mean would be too bright by the chance that
 // there are k - 1: up to 15 % here.
@@ -95,7 +104,8 @@ TEST(PhotonGather, DoesNotFavourDensePhotons)
             double sum = 0.0, squares = 0.0;
             for (uint32_t trial = 0; trial < trials; ++trial) {
                 maps.global = photons_of_wall(trial, mean, irradiance);
-                maps.irradiance = precomputed ? IrradianceMap(maps.global, bandwidth, find) : IrradianceMap();
+                maps.irradiance =
+                    precomputed ? IrradianceMap(maps.global, places_of_wall(trial), nearest, find) : IrradianceMap();
                 const double ratio = gathered(*world, maps, trial) / sampled;
                 sum += ratio;
                 squares += ratio * ratio;
