@@ -1,5 +1,5 @@
 // The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D, with irradiance
-// precomputed at photons of the global map. An epoch is a run of passes that share their maps; its maps are a pure
+// precomputed where other light paths land. An epoch is a run of passes that share their maps; its maps are a pure
 // function of (world, seed, epoch).
 //
 // Where shapes move, all paths of a set have one time, eye paths of the pixels that use it included, and surfaces are
@@ -46,7 +46,7 @@ inline constexpr SettingInfo kernel{"kernel", "", "epanechnikov", "constant|cone
                                     "kernel of the estimates"};
 inline constexpr SettingInfo irradiance{
     "irradiance", "", "true", "true|false",
-    "precompute irradiance at photons for gather rays that meet matte surfaces (not if nearest is 0)"};
+    "precompute irradiance for gather rays that meet matte surfaces (not if nearest is 0)"};
 inline constexpr SettingInfo wavelength_sets{"wavelengthsets", "sets", "4", ">= 1",
                                              "sets of four wavelengths per epoch (spectral colour model); where shapes "
                                              "move, at least one per pass"};
