@@ -11,16 +11,20 @@
 #include "dapple/render/live_view.h"
 #include "dapple/render/memory.h"
 #include "dapple/render/output.h"
+#include "dapple/render/pilot.h"
 #include "dapple/render/progress.h"
 #include "dapple/render/render_job.h"
 #include "dapple/render/scene_defaults.h"
 #include "dapple/render/technique_record.h"
+#include "dapple/render/write_time.h"
 #include "interrupts.h"
 #include "render_options.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -38,6 +42,40 @@ StopRule stop_rule(const RenderOptions& options, const scene::Description& descr
     if (rule.passes == 0 && rule.seconds == 0 && rule.error == 0)
         rule.passes = static_cast<uint32_t>(std::max(1, description.sampler.pixel_samples));
     return rule;
+}
+
+// Of --time, which is that of the whole command: what loading took is over, and writing the files comes after.
+class TimeLimit {
+public:
+    // seconds: 0: none.
+    explicit TimeLimit(double seconds) : seconds_(seconds) {}
+    bool any() const { return seconds_ > 0; }
+    // From now on [s]; never 0, which would be no limit.
+    double left() const
+    {
+        const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - begin_ + loading_;
+        return std::max(seconds_ - gone.count(), 1e-3);
+    }
+
+private:
+    // Loading the program itself was work of its processor (0.25 s, OpenImageIO and what it brings).
+    const std::chrono::duration<double> loading_{static_cast<double>(std::clock()) / CLOCKS_PER_SEC};
+    const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double seconds_;
+};
+
+// Automatic numbers that --time has no room for become smaller ones. A render that goes on keeps those of its
+// beginning.
+std::vector<std::string> lower_efforts(const TimeLimit& limit, const RenderStart& start, IntegratorChoice& choice,
+                                       const World& world, const FilmSettings& film, uint64_t seed,
+                                       const WriteTime& writing)
+{
+    if (!limit.any() || !start.checkpoint.empty()) return {};
+    std::vector<std::string> lines;
+    const double left = std::max(limit.left() - writing.expected(), 0.0);
+    for (const std::string& lowered : fit_to_time(choice, world, film, seed, left))
+        lines.push_back("for --time: " + lowered);
+    return lines;
 }
 
 void report_accidents(const Film& film)
@@ -189,11 +227,15 @@ std::vector<std::string> write_results(const RenderOptions& options, const Check
     return problems;
 }
 
+uint64_t seed_of(const RenderOptions& options, const scene::Description& description)
+{
+    return options.seed.value_or(static_cast<uint64_t>(description.sampler.seed.value_or(description.options.seed)));
+}
+
 // What the image hangs on, and how it came about.
 CheckpointHeader identify(const RenderOptions& options, const RenderStart& start, const scene::Description& description,
                           const IntegratorChoice& choice, const Integrator& integrator, const FilmSettings& film)
 {
-    const int scene_seed = description.sampler.seed.value_or(description.options.seed);
     CheckpointHeader identity;
     identity.files = hash_files(description.files);
     identity.pbrt_coats = options.pbrt_coats;
@@ -206,7 +248,7 @@ CheckpointHeader identify(const RenderOptions& options, const RenderStart& start
                        options.scene,
                        std::string(choice.entry->name),
                        integrator.report(),
-                       options.seed.value_or(static_cast<uint64_t>(scene_seed)),
+                       seed_of(options, description),
                        thread_count()};
     return identity;
 }
@@ -224,6 +266,7 @@ void load_checkpoint(const RenderStart& start, const CheckpointHeader& identity,
 
 int render(const RenderOptions& options, const RenderStart& start)
 {
+    const TimeLimit limit(options.seconds);
     check_options(options, start);
     if (options.quiet) set_log_level(LogLevel::silent);
     set_thread_count(options.threads);
@@ -248,11 +291,15 @@ int render(const RenderOptions& options, const RenderStart& start)
     settings.first_pass = options.first_pass;
     const uint64_t record = options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings);
     check_memory(options.memory, memory_account(compiled, settings, *choice.entry, record), choice);
+    const WriteTime writing = limit.any() ? time_to_write(outputs, settings, options.half) : WriteTime();
+    const std::vector<std::string> lowered =
+        lower_efforts(limit, start, choice, *world, settings, seed_of(options, description), writing);
     const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
     describe_passes(settings, *integrator);
     Film film(settings);
 
-    const CheckpointHeader identity = identify(options, start, description, choice, *integrator, settings);
+    CheckpointHeader identity = identify(options, start, description, choice, *integrator, settings);
+    identity.record.report.insert(identity.record.report.end(), lowered.begin(), lowered.end());
     load_checkpoint(start, identity, film);
 
     const std::unique_ptr<Progress> progress = make_progress(options.quiet ? ProgressKind::none : options.progress);
@@ -261,6 +308,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     if (resumed) progress->note(going_on(start, stop));
     RenderJob job{*world, *integrator, film, identity.record.integrator, identity.record.seed, stop};
     job.before = start.header.counters;
+    job.notes = lowered;
 
     const CheckpointPlan plan = checkpoint_plan(options, start, outputs.front());
     std::optional<Checkpointer> checkpointer;
@@ -281,6 +329,8 @@ int render(const RenderOptions& options, const RenderStart& start)
         job.observers.push_back(&*view);
     }
 
+    job.writing = writing;
+    if (limit.any()) job.stop.seconds = limit.left();
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
     report_lacks(result, choice);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* examples = R"(Stopping:
   --passes N       exactly N passes (a pass is about one sample per pixel)
-  --time 5m        as many passes as fit; the clock starts with the first pass, after the scene is loaded
+  --time 5m        that long, from the start of the command to its last file
   --error 0.02     when the estimated error of the image is 2 % of its brightness
   none of them     the samples per pixel that the scene asks for
   several          whichever comes first
@@ -67,7 +67,7 @@ std::string absolute(const std::string& path, const std::string& folder)
 
 void add_stop_options(CLI::App& parser, RenderOptions& o)
 {
-    add_duration(parser, "-t,--time", o.seconds, "render time, such as 60s, 5m, 1h30m");
+    add_duration(parser, "-t,--time", o.seconds, "time of the whole command, such as 60s, 5m, 1h30m");
     add_number(parser, "-p,--passes,--spp", o.passes, "integer 1 to 1000000000", "number of passes");
     add_number(parser, "--error", o.error, "0.000001 to 1",
                "stop at this error, a part of the brightness: 0.02 (root of relMSE, estimated)");

@@ -124,6 +124,19 @@ class Resume(unittest.TestCase):
                 self.dapple("resume", "merged.dapple", "--passes", 10, "-o", "resumed.exr", "--quiet")
                 self.same("ten.exr", "resumed.exr")
 
+    def test_numbers_lowered_for_time_stay(self):
+        """A limit that is over at once leaves the least of what is automatic; a checkpoint goes on with that."""
+        for integrator, least in (("sppm", ("-D", "photons=8192")), ("photonmap", ("-D", "photons=8192")),
+                                  ("irradiancecache", ("-D", "photons=8192", "-D", "cacherecords=16"))):
+            with self.subTest(integrator=integrator):
+                options = ("render", "ball.pbrt", "-i", integrator, *FAST)
+                self.dapple(*options, "-o", "short.dapple", "--time", "1ms")
+                self.dapple("resume", "short.dapple", "--passes", 6, "-o", "resumed.exr", "--quiet")
+                self.dapple(*options, *least, "-o", "whole.exr", "--passes", 6)
+                self.same("whole.exr", "resumed.exr")
+                self.dapple(*options, "-o", "automatic.dapple", "--passes", 1, "--first-pass", 1)
+                self.refused("merge", "short.dapple", "automatic.dapple", "-o", "merged.exr", saying="settings")
+
     def test_what_does_not_belong_is_refused(self):
         def part(name, *options):
             self.dapple("render", "ball.pbrt", "-i", "path", "-o", name, "--passes", 2, *FAST, *options)

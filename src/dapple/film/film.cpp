@@ -4,6 +4,7 @@
 
 #include "dapple/base/assert.h"
 #include "dapple/base/error.h"
+#include "dapple/base/parallel.h"
 #include "dapple/film/film_sums.h"
 
 #include <fmt/format.h>
@@ -87,8 +88,8 @@ void Film::add_pixel(Int2 pixel, const PixelSample& sample, int samples)
     if (samples <= 0 || !s.contains(pixel)) return;
     const size_t index = s.index(pixel);
     const double factor = 1.0 / samples;
-    reached_[index] = 1;
     const std::lock_guard lock(s.lock_of_tile(s.tile_of(pixel)));
+    reached_[index] = 1;
 
     // Radiance goes in as a whole or not at all: classes and groups must both sum to the beauty.
     uint64_t dropped = sample.dropped_;
@@ -181,6 +182,31 @@ void Film::add_to_pixel(Int2 pixel, const Vec3& sensor_rgb, PathClass path_class
     if (Plane* plane = s.group(group)) add(plane->pixel(index), 3, sensor_rgb, 1.0);
 }
 
+void Film::add_light(const Film& other, double factor)
+{
+    Sums& s = *sums_;
+    const Sums& o = *other.sums_;
+    DAPPLE_ASSERT(s.pixels() == o.pixels() && o.planes.size() == s.first_group + s.groups);
+    for (size_t i = 0; i < o.planes.size(); ++i)
+        for (size_t j = 0; j < o.planes[i].size(); ++j) {
+            const Fixed128 sum = o.planes[i].data()[j];
+            if (sum == 0) continue;
+            if (factor == 1.0)
+                s.planes[i].data()[j] += sum;
+            else if (const double scaled = from_fixed(sum) * factor; exact_sum_accepts(scaled))
+                s.planes[i].data()[j] += to_fixed(scaled);
+            else
+                ++accidents_.splat;
+        }
+    accidents_.splat += other.accidents_.splat;
+}
+
+void Film::end_cut_pass(Image before)
+{
+    cut_ = true;
+    before_ = std::move(before);
+}
+
 void Film::end_pass()
 {
     DAPPLE_ASSERT(!cut_);
@@ -223,8 +249,10 @@ Image Film::beauty() const
     Image image(s.crop_size.x, s.crop_size.y, 3);
     for (size_t i = 0; i < s.pixels(); ++i) {
         const size_t pixel = shown.empty() ? i : shown[i];
+        const float* before = shown_before(pixel);
         for (int c = 0; c < 3; ++c)
-            image.pixels[i * 3 + c] = static_cast<float>(from_fixed(s.beauty(pixel, c)) * image_factor(pixel));
+            image.pixels[i * 3 + c] =
+                before ? before[c] : static_cast<float>(from_fixed(s.beauty(pixel, c)) * image_factor(pixel));
     }
     return image;
 }
@@ -246,17 +274,53 @@ Image Film::layers(std::vector<std::string>& channel_names) const
     }
 
     Image image(s.crop_size.x, s.crop_size.y, static_cast<int>(channel_names.size()));
-    float* out = image.pixels.data();
     const std::vector<uint32_t> shown = shown_pixels();
-    for (size_t i = 0; i < s.pixels(); ++i) {
+    parallel_for(static_cast<int64_t>(s.pixels()), 4096, [&](int64_t index) {
+        const auto i = static_cast<size_t>(index);
         const size_t pixel = shown.empty() ? i : shown[i];
+        float* out = &image.pixels[i * channel_names.size()];
+        if (const float* before = shown_before(pixel)) {
+            std::copy_n(before, image.channels, out);
+            return;
+        }
         const double factor = image_factor(pixel);
         for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(pixel, c)) * factor);
         for (size_t plane = first; plane < s.planes.size(); ++plane)
             for (int c = 0; c < s.planes[plane].channels(); ++c)
                 *out++ = static_cast<float>(from_fixed(s.planes[plane].pixel(pixel)[c]) * factor);
         for (int c = 0; c < errors.channels; ++c) *out++ = errors.pixels[pixel * errors.channels + c];
-    }
+    });
+    return image;
+}
+
+Image Film::sample_rows(int rows) const
+{
+    constexpr int block = 16;
+    const Sums& s = *sums_;
+    const int height = s.crop_size.y, blocks = std::max(std::min(rows, height) / block, 1);
+    int channels = s.radiance_planes == 1 ? 0 : 3;
+    for (const Plane& plane : s.planes) channels += plane.channels();
+    Image image(s.crop_size.x, std::min(blocks * block, height), channels);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            float* out = &image.pixels[(size_t(y) * image.width + x) * static_cast<size_t>(channels)];
+            const int row = (y / block) * (height / blocks) + y % block;
+            const Int2 pixel = s.crop_min + Int2(x, std::min(row, height - 1));
+            const size_t index = s.index(pixel);
+            const std::lock_guard lock(s.lock_of_tile(s.tile_of(pixel)));
+            if (passes_ == 0 && reached_[index] == 0) {  // shows a neighbour
+                if (y % block > 0 && y % 4 > 0)
+                    std::copy_n(out - size_t(image.width) * channels, channels, out);
+                else if (x > 0)
+                    std::copy_n(out - channels, channels, out);
+                continue;
+            }
+            if (s.radiance_planes > 1)
+                for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(index, c)));
+            for (const Plane& plane : s.planes)
+                for (int c = 0; c < plane.channels(); ++c)
+                    *out++ = static_cast<float>(from_fixed(plane.pixel(index)[c]));
+        }
     return image;
 }
 

@@ -117,14 +117,21 @@ public:
     // Thread-safe and order-independent. A pixel outside of the crop window is ignored.
     void add_to_pixel(Int2 pixel, const Vec3& sensor_rgb, PathClass path_class, LightGroup group);
 
+    // Adds the sums of a film with the same light groups and classes, and no other layers, times a factor: light that
+    // was kept apart while nobody knew what it is to be divided by. Exact for a factor of 1.
+    void add_light(const Film& other, double factor);
+
     // Call once after each pass; passes come in order, from settings().first_pass on.
     void end_pass();
     // Instead of end_pass after a pass that was cut: the pixels that it reached have a sample more than the others, and
-    // the image allows for that; if it was the first, other pixels show the nearest that it reached. For passes that
-    // add eye samples alone (add_pixel). From now on the film can only be shown: neither continued, nor written, nor
-    // merged. Not for films with the error layer.
-    void end_cut_pass() { cut_ = true; }
+    // the image allows for that; if it was the first, other pixels show the nearest that it reached. `before`: layers()
+    // without that pass, which the others show; needed after the first pass where not all light comes by add_pixel.
+    // From now on the film can only be shown: neither continued, nor written, nor merged. Not for films with the error
+    // layer.
+    void end_cut_pass(Image before = {});
     bool cut() const { return cut_; }
+    // Says that what the running pass has added so far is of no use, not even for the pixels that it reached.
+    void give_up_pass() { std::fill(reached_.begin(), reached_.end(), uint8_t{0}); }
     // Part of the pixels that have an eye sample of the running (or cut) pass, in [0, 1].
     double reached_part() const
     {
@@ -139,6 +146,10 @@ public:
     // All layers as one image, with OpenEXR channel names ("R", "Albedo.R", "N.X", "Z", "direct.R", ...); see
     // layers.md.
     Image layers(std::vector<std::string>& channel_names) const;
+
+    // Some blocks of 16 rows of layers(), together at most `rows`, about as they would be shown now: to see how well
+    // they compress. May be called while a pass adds to the film, but not while one ends.
+    Image sample_rows(int rows) const;
 
     // How far the image is off; nothing is known (no batches) without FilmSettings::error_layer. Cost: as beauty().
     ErrorEstimate error() const;
@@ -157,6 +168,12 @@ private:
     std::string state_header() const;
     // For each pixel, the one whose sums it shows; none where each shows its own.
     std::vector<uint32_t> shown_pixels() const;
+    // What a pixel shows instead of sums, if a cut pass did not reach it; else nullptr.
+    const float* shown_before(size_t pixel) const
+    {
+        const bool instead = !before_.pixels.empty() && reached_[pixel] == 0;
+        return instead ? &before_.pixels[pixel * static_cast<size_t>(before_.channels)] : nullptr;
+    }
     // What the sums of a pixel are multiplied by in the image.
     double image_factor(size_t pixel) const
     {
@@ -171,6 +188,7 @@ private:
     uint32_t passes_ = 0;
     std::vector<uint8_t> reached_;  // by pixel: whether the running pass has brought an eye sample
     bool cut_ = false;              // the last pass was
+    Image before_;                  // layers without the cut pass; or empty
 };
 
 }  // namespace dapple

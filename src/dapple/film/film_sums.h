@@ -62,7 +62,10 @@ struct Film::Sums {
     // Index of a pixel, which must be inside of the crop window.
     size_t index(Int2 pixel) const { return size_t(pixel.y - crop_min.y) * crop_size.x + (pixel.x - crop_min.x); }
     // Held by whoever adds to a pixel of the tile.
-    std::mutex& lock_of_tile(Int2 tile_index) { return locks_[(tile_index.y * 13 + tile_index.x) % lock_count].mutex; }
+    std::mutex& lock_of_tile(Int2 tile_index) const
+    {
+        return locks_[(tile_index.y * 13 + tile_index.x) % lock_count].mutex;
+    }
     Int2 tile_of(Int2 pixel) const { return {(pixel.x - crop_min.x) / tile, (pixel.y - crop_min.y) / tile}; }
 
     Plane& radiance(PathClass path_class)
@@ -92,7 +95,7 @@ private:
 
     int add_plane(std::vector<std::string> channel_names);
 
-    std::array<Lock, lock_count> locks_;
+    mutable std::array<Lock, lock_count> locks_;
 };
 
 }  // namespace dapple

@@ -80,9 +80,13 @@ BidirectionalPlan plan_of(std::string_view techniques, bool power, const Setting
 
 class Bidirectional final : public Integrator {
 public:
-    // light_paths: 0: from the image. memory: of light vertices [bytes], 0: no ceiling.
-    Bidirectional(const BidirectionalPlan& plan, int64_t light_paths, int64_t memory)
-        : plan_(plan), light_paths_(light_paths), memory_(memory)
+    // paths_setting: where the number of light paths is. memory: of light vertices [bytes], 0: no ceiling.
+    Bidirectional(const BidirectionalPlan& plan, const Settings& settings, std::string_view paths_setting,
+                  int64_t memory)
+        : plan_(plan),
+          paths_setting_(paths_setting),
+          light_paths_(settings.integer_or(paths_setting, 0)),
+          memory_(memory)
     {
     }
 
@@ -136,6 +140,13 @@ public:
         return {share * static_cast<double>(subpaths.memory_bytes()), "light paths"};
     }
 
+    // Where no vertices are kept, short passes are as good as long ones.
+    std::vector<Effort> efforts(const PassContext& context, const FilmSettings& film) const override
+    {
+        return {{paths_setting_, "light paths per pass", light_plan(context, film).paths, 8192,
+                 plan_.stores() ? 1.0 / 3 : 0.05}};
+    }
+
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines;
@@ -181,6 +192,7 @@ private:
     static constexpr int64_t bytes_per_path = 8 * (sizeof(LightVertex) + sizeof(MergePhoton) + sizeof(Bsdf) + 32);
 
     BidirectionalPlan plan_;
+    std::string_view paths_setting_;
     int64_t light_paths_;  // 0: from the image
     int64_t memory_;       // [bytes], 0: no ceiling
     float radius_pixels_ = 1.0f;
@@ -198,15 +210,14 @@ std::unique_ptr<Integrator> create_lightpath(const World& world, const Settings&
 {
     if (world.has_emitting_media)
         log_warning("lightpath leaves out the light of emitting media: no particles start in them; use path");
-    return std::make_unique<Bidirectional>(plan_of("lightpath", false, settings), settings.integer_or("particles", 0),
-                                           0);
+    return std::make_unique<Bidirectional>(plan_of("lightpath", false, settings), settings, "particles", 0);
 }
 
 std::unique_ptr<Bidirectional> create_stored(const World& world, std::string_view techniques, const Settings& settings)
 {
     warn_of_emitting_media(world);
     return std::make_unique<Bidirectional>(plan_of(techniques, settings.word("heuristic") == "power", settings),
-                                           settings.integer_or("lightpaths", 0), settings.integer_or("memory", 0));
+                                           settings, "lightpaths", settings.integer_or("memory", 0));
 }
 
 std::unique_ptr<Integrator> create_bdpt(const World& world, const Settings& settings)

@@ -1,5 +1,6 @@
 #include "dapple/integrators/cache_overture.h"
 
+#include <limits>
 #include <optional>
 
 namespace dapple {
@@ -60,7 +61,8 @@ private:
     // The pixels at the middle of the cells of a grid that are odd or even across and down.
     void add_wave(int stride, int odd_x, int odd_y)
     {
-        if (context_.cancelled()) return;
+        const int64_t most = settings_.most > 0 ? settings_.most - made_ : std::numeric_limits<int64_t>::max();
+        if (context_.cancelled() || most <= 0) return;
         const Int2 low = film_.settings().crop_min, high = film_.settings().crop_max;
         const auto cells = [&](int extent, int odd) {
             return std::max(0, (extent - stride / 2 + stride - 1) / stride - odd + 1) / 2;
@@ -75,12 +77,24 @@ private:
         std::vector<Place> places;
         for (const auto& place : asked)
             if (place) places.push_back(*place);
+        thin_out(places, most);
+        made_ += static_cast<int64_t>(places.size());
         std::vector<NewRecord> made(places.size());
         parallel_for(static_cast<int64_t>(places.size()), 1, [&](int64_t i) {
             if (!context_.cancelled()) made[static_cast<size_t>(i)] = make_record(places[static_cast<size_t>(i)]);
         });
         if (context_.cancelled()) return;
         for (const NewRecord& record : made) cache_.add(record.record, record.values);
+    }
+
+    // Leaves `most` of the places, evenly.
+    static void thin_out(std::vector<Place>& places, int64_t most)
+    {
+        const auto count = static_cast<int64_t>(places.size());
+        if (count <= most) return;
+        for (int64_t i = 0; i < most; ++i)
+            places[static_cast<size_t>(i)] = places[static_cast<size_t>(i * count / most)];
+        places.resize(static_cast<size_t>(most));
     }
 
     RandomStream stream(Int2 pixel, uint32_t purpose) const
@@ -187,9 +201,19 @@ private:
     const MovingShapes& moving_;
     const HemisphereStrata strata_;
     IrradianceCache cache_;
+    int64_t made_ = 0;
 };
 
 }  // namespace
+
+int64_t places_of_records(const FilmSettings& film)
+{
+    const Int2 size = film.crop_max - film.crop_min;
+    int64_t places = 0;
+    for (int stride = first_stride; stride >= least_stride; stride /= 2)
+        places += (int64_t(size.x) / stride + 1) * (int64_t(size.y) / stride + 1);
+    return places;
+}
 
 IrradianceCache make_irradiance_cache(const PassContext& context, const Film& film, const PhotonEpoch& epoch,
                                       const GatherSettings& gathering, const OvertureSettings& settings,

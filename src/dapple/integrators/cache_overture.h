@@ -6,7 +6,8 @@
 // records are made for those without an answer, both in parallel; these are added in the order of the pixels. The waves
 // are the pixels of grids 32, 16, 8, ... pixels wide, each in four parts, so that a record seldom stands beside one of
 // its own wave; down to where a record would take more rays than the pixels that it serves, which then gather for
-// themselves (4 pixels with default settings). Every record is a pure function of (world, seed, epoch, pixel).
+// themselves (4 pixels with default settings), or to a given number of records: the last wave is thinned out evenly.
+// Every record is a pure function of (world, seed, epoch, pixel).
 #pragma once
 
 #include "dapple/density/irradiance_cache.h"
@@ -18,7 +19,11 @@ struct OvertureSettings {
     int rays = 256;         // per record, all wavelength sets together
     int pixel_rays = 32;    // that a pixel without a record gathers in an epoch
     float accuracy = 0.2f;  // radius of a record over what limits it
+    int64_t most = 0;       // records; 0: as many as are wanted
 };
+
+// About as many records as a picture can want: a place in every cell of all grids.
+int64_t places_of_records(const FilmSettings& film);
 
 // The cache for the surfaces that eye paths meet in the film's crop window, with one set of irradiance for each of the
 // epoch's maps. Empty if cancelled.

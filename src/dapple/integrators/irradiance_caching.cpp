@@ -32,6 +32,9 @@ constexpr SettingInfo settings_table[] = {
     {"accuracy", "", "0.2", "> 0 and <= 1",
      "error bound: how far a record reaches, over the distance of what it sees; smaller is slower"},
     {"cacherays", "rays", "256", ">= 16", "gather rays per record, all wavelength sets together"},
+    {"cacherecords", "records", "auto", "> 0",
+     "most records of an epoch; pixels without one gather; auto: where a record takes fewer rays than its pixels "
+     "would"},
     {"gatherrays", "rays", "2", ">= 1", "gather rays per eye path where the cache does not serve"},
     photon_setting::photons,
     photon_setting::caustic_photons,
@@ -55,7 +58,7 @@ public:
           epochs_(world, settings, MapUse::global_and_caustic, "irradiancecache"),
           overture_{static_cast<int>(settings.integer("cacherays")),
                     gather_rays_ * static_cast<int>(epochs_.correlated_passes()),
-                    static_cast<float>(settings.number("accuracy"))},
+                    static_cast<float>(settings.number("accuracy")), settings.integer_or("cacherecords", 0)},
           moving_(world)
     {
     }
@@ -74,6 +77,15 @@ public:
     PassMemory pass_memory(const PassContext& context, const FilmSettings& film) const override
     {
         return {epochs_.memory(context, film).bytes, "photon maps (the cache comes on top)"};
+    }
+
+    std::vector<Effort> efforts(const PassContext& context, const FilmSettings& film) const override
+    {
+        constexpr double share = 1.0 / 6;  // half of what there is for both
+        Effort photons = epochs_.effort(context, film);
+        photons.share = share;
+        if (!film.light_groups.empty()) return {photons};
+        return {photons, {"cacherecords", "records per epoch", places_of_records(film), 16, share}};
     }
 
     std::vector<std::string> report() const override

@@ -67,6 +67,11 @@ public:
         return epochs_.memory(context, film);
     }
 
+    std::vector<Effort> efforts(const PassContext& context, const FilmSettings& film) const override
+    {
+        return {epochs_.effort(context, film)};
+    }
+
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines = epochs_.report();

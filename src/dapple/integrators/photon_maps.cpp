@@ -182,6 +182,11 @@ PassMemory PhotonEpochs::memory(const PassContext& context, const FilmSettings& 
     return {photon_map_bytes(plan(context, film), context, film.color_model), "photon maps"};
 }
 
+Effort PhotonEpochs::effort(const PassContext& context, const FilmSettings& film) const
+{
+    return {"photons", "light paths per epoch", plan(context, film).global_paths, photon_setting::least_paths};
+}
+
 std::vector<std::string> PhotonEpochs::report() const
 {
     if (!moving_) return {};

@@ -25,6 +25,7 @@ namespace dapple {
 
 // Rows for the tables of integrators that use photon maps.
 namespace photon_setting {
+inline constexpr int64_t least_paths = 8192;  // that a limit of time leaves
 inline constexpr SettingInfo photons{"photons", "light paths", "auto", "> 0",
                                      "light paths per epoch; auto: one per pixel of the full image, 100k to 1M, "
                                      "and more where shapes move"};
@@ -155,6 +156,7 @@ public:
     uint32_t correlated_passes() const { return epoch_passes_; }
     double bias_scale(uint32_t pass) const;
     PassMemory memory(const PassContext& context, const FilmSettings& film) const;
+    Effort effort(const PassContext& context, const FilmSettings& film) const;
     // The epoch of the context's pass: a pure function of world, settings, seed and that epoch's number. Thread-safe.
     std::shared_ptr<const PhotonEpoch> of(const PassContext& context, const Film& film);
 

@@ -7,6 +7,9 @@
 // itself, whose exact sums are the same in any order.
 // The index: visible points are sorted by the power of two of their radius, and each such level has a hash grid (times
 // wavelength sets). Bias, rate of error and speed: as sppm.
+//
+// Cut for time, eye paths end at half of it, and as many light paths are traced as the other half allows; their light
+// is kept apart from the film until their number is known.
 #include "dapple/integrators/registry.h"
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/integrators/visible_points.h"
@@ -125,17 +128,30 @@ public:
         std::vector<VisiblePoints> points;
         const int rows = film.settings().crop_max.y - film.settings().crop_min.y;
         for (size_t i = 0; i < sets.size(); ++i) points.emplace_back(rows);
-        see(context, film, sets, points);
-        for (size_t i = 0; i < sets.size(); ++i) {
-            if (context.cancelled()) return;
-            points[i].index();
-            splat(context, film, sets[i], points[i]);
-            note_density(film, points[i]);
+        PassContext eyes = context;
+        if (context.half_time) eyes.cancel = context.half_time;
+        see(eyes, film, sets, points);
+        for (VisiblePoints& of_set : points) of_set.index();
+        if (context.half_time) {
+            splat_until_cut(context, film, sets, points);
+        } else {
+            for (size_t i = 0; i < sets.size(); ++i)
+                splat(context, film, sets[i], points[i], {0, sets[i].photons.paths});
+            if (context.cancelled()) return film.give_up_pass();
         }
+        for (const VisiblePoints& of_set : points) note_density(film, of_set);
     }
 
+    bool light_comes_last() const override { return true; }
     std::vector<std::string> report() const override { return report_; }
     double bias_scale(uint32_t pass) const override { return settings_.shrinkage(pass); }
+
+    // A quarter of the time, as eye paths and what photons bring them take some, too.
+    std::vector<Effort> efforts(const PassContext&, const FilmSettings& film) const override
+    {
+        return {{"photons", "light paths per pass", settings_.paths(film.resolution, film.color_model),
+                 photon_setting::least_paths, 0.25}};
+    }
 
 private:
     // The eye paths of the pass.
@@ -162,16 +178,47 @@ private:
         });
     }
 
-    void splat(const PassContext& context, Film& film, const PassSet& set, const VisiblePoints& points) const
+    struct PathRange {
+        int64_t begin, end;
+    };
+
+    // Of all light paths of the set; light is divided by the number of all.
+    void splat(const PassContext& context, Film& film, const PassSet& set, const VisiblePoints& points,
+               PathRange paths) const
     {
+        constexpr int64_t grain = 256;
         const Sensor::LaneColors colors(film.settings().sensor, set.wavelengths);
-        parallel_for_ranges(set.photons.paths, 1024, [&](int64_t begin, int64_t end) {
+        parallel_for_ranges(paths.end - paths.begin, grain, [&](int64_t begin, int64_t end) {
             if (context.cancelled()) return;
             std::vector<Photon> photons;
-            trace_photons(context.world, set.photons, begin, end, photons);
+            trace_photons(context.world, set.photons, paths.begin + begin, paths.begin + end, photons);
             for (const Photon& photon : photons) add(context.world, film, colors, set, points, photon);
         });
-        context.statistics.light_paths += static_cast<uint64_t>(set.photons.paths);
+        context.statistics.light_paths += static_cast<uint64_t>(paths.end - paths.begin);
+    }
+
+    // In rounds of equally many light paths of each set, until all are traced; where eye paths were cut, until the time
+    // is up. Their light is divided by the number that was traced.
+    void splat_until_cut(const PassContext& context, Film& film, const std::vector<PassSet>& sets,
+                         const std::vector<VisiblePoints>& points) const
+    {
+        constexpr int64_t round = 2048;
+        PassContext whole_rounds = context;
+        whole_rounds.cancel = nullptr;
+        FilmSettings radiance_alone = film.settings();
+        radiance_alone.guide_layers = radiance_alone.photon_layers = false;
+        Film light(radiance_alone);
+        const int64_t all = sets.front().photons.paths;
+        const bool to_the_end = film.reached_part() < 1.0;
+        int64_t traced = 0;
+        do {
+            const int64_t end = to_the_end ? traced + round : std::min(traced + round, all);
+            for (size_t i = 0; i < sets.size(); ++i) splat(whole_rounds, light, sets[i], points[i], {traced, end});
+            traced = end;
+        } while (!context.cancelled() && (to_the_end || traced < all));
+        // Few light paths are better than none, but would bring noise into the mean of other passes.
+        if (!context.coarse_to_fine && 2 * traced < all) return film.give_up_pass();
+        film.add_light(light, static_cast<double>(all) / static_cast<double>(traced));
     }
 
     void add(const World& world, Film& film, const Sensor::LaneColors& colors, const PassSet& set,

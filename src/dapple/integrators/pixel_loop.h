@@ -49,8 +49,8 @@ struct EyeSample {
     }
 };
 
-// Where in its block of 4 x 4 pixels the one of a round is (PassContext::coarse_to_fine): ever finer grids, each as
-// even as can be.
+// Where in a block of 4 x 4 the one of a round is (PassContext::coarse_to_fine): ever finer grids, each as even as can
+// be.
 inline Int2 place_in_round(int round)
 {
     const int a = round & 1, b = (round >> 1) & 1, c = (round >> 2) & 1, d = (round >> 3) & 1;
@@ -62,14 +62,14 @@ inline Int2 place_in_round(int round)
 template <class ChooseWavelengths, class Trace>
 void for_each_pixel(const PassContext& context, Film& film, const ChooseWavelengths& wavelengths, const Trace& trace)
 {
-    constexpr int tile = 16;
-    static_assert(tile % PassContext::block == 0, "blocks must not be cut by tiles");
+    constexpr int tile = 16, fine = 4;
+    static_assert(tile == PassContext::block && fine * fine == tile, "rounds go over tiles, then over their blocks");
+    if (context.without_eye_paths) return;
     const FilmSettings& settings = film.settings();
     const Int2 size = settings.crop_max - settings.crop_min;
     const Int2 tiles((size.x + tile - 1) / tile, (size.y + tile - 1) / tile);
     const int groups = static_cast<int>(settings.light_groups.size());
-    const int step = context.coarse_to_fine ? PassContext::block : 1;
-    const auto trace_tile = [&](int64_t index, Int2 first) {
+    const auto trace_tile = [&](int64_t index, Int2 first, int step) {
         PixelSample sums(groups);
         uint64_t traced = 0;
         const Int2 corner = settings.crop_min + Int2(int(index % tiles.x) * tile, int(index / tiles.x) * tile);
@@ -94,8 +94,13 @@ void for_each_pixel(const PassContext& context, Film& film, const ChooseWaveleng
             }
         context.statistics.eye_paths += traced;
     };
-    for (int round = 0; round < step * step; ++round)
-        parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) { trace_tile(index, place_in_round(round)); });
+    const auto trace_round = [&](Int2 first, int step) {
+        parallel_for(int64_t(tiles.x) * tiles.y, 1, [&](int64_t index) { trace_tile(index, first, step); });
+    };
+    if (!context.coarse_to_fine) return trace_round({0, 0}, 1);
+    // The corners of all blocks of 4 x 4, those of a tile one by one; then the other pixels of these blocks.
+    for (int round = 0; round < fine * fine; ++round) trace_round(place_in_round(round) * fine, tile);
+    for (int round = 1; round < fine * fine; ++round) trace_round(place_in_round(round), fine);
 }
 
 // Fills albedo, normal, depth and position: geometry at the first vertex, colour and normal at the first that is no

@@ -78,6 +78,11 @@ public:
         return {photon_map_bytes(plan(context, film), context, film.color_model), "photon maps"};
     }
 
+    std::vector<Effort> efforts(const PassContext& context, const FilmSettings& film) const override
+    {
+        return {{"photons", "light paths per pass", plan(context, film).global_paths, photon_setting::least_paths}};
+    }
+
 private:
     // Of the photons that sets_of_pass asks for: indirect ones, all in one map.
     PhotonMapPlan plan(const PassContext& context, const FilmSettings& film) const

@@ -27,7 +27,9 @@ public:
         : job_(job),
           requests_(requests),
           progress_(progress),
-          may_cut_(job.integrator.adds_eye_samples_alone() && !job.keep_film_whole && !job.film.settings().error_layer),
+          writing_(job.writing.expected()),
+          may_cut_(!job.keep_film_whole && !job.film.settings().error_layer),
+          eyes_alone_(job.integrator.adds_eye_samples_alone()),
           first_round_(pixels_of_first_round(job.film.settings())),
           done_(job.film.passes())
     {
@@ -40,7 +42,9 @@ public:
 
     RenderResult run()
     {
-        progress_.begin(job_.integrator_name, job_.integrator.report());
+        std::vector<std::string> report = job_.integrator.report();
+        report.insert(report.end(), job_.notes.begin(), job_.notes.end());
+        progress_.begin(job_.integrator_name, report);
         start_ = Clock::now();
         {
             const std::jthread watcher([this](const std::stop_token& token) { watch(token); });
@@ -59,6 +63,9 @@ private:
         return job_.before.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
     }
 
+    // For the passes.
+    StopRule stop() const { return job_.stop.leaving(writing_.load()); }
+
     // That is the least of the first pass that makes a picture.
     static uint64_t pixels_of_first_round(const FilmSettings& settings)
     {
@@ -72,21 +79,19 @@ private:
     void run_passes()
     {
         if (done() > 0) estimate_error();
-        while (!error_reached_ && job_.stop.another(done(), elapsed(), may_cut_ ? 0.0 : times_.expected())) {
+        while (!error_reached_ && stop().another(done(), elapsed(), may_cut_ ? 0.0 : times_.expected())) {
             if (done() > 0 && requests_.count() > 0) break;
             copy_if_due();
             begin_pass();
             try {
-                job_.integrator.render_pass(
-                    PassContext{job_.world, job_.seed, next_pass(), statistics_, &cancel_, may_cut_ && done() == 0},
-                    job_.film);
+                job_.integrator.render_pass(context_of_pass(), job_.film);
             } catch (const std::exception& error) {
                 if (done() == 0) throw;
                 result_.failed = true;
                 result_.reason = std::string("stopped by an error in a pass: ") + error.what();
                 return;
             }
-            if (cancel_.load() && !reached_all()) return;
+            if (cancel_.load() && !is_whole()) return;
             end_pass();
             estimate_error();
             for (PassObserver* observer : job_.observers) observer->after_pass(job_.film, counters());
@@ -95,16 +100,30 @@ private:
         whole_ = true;
     }
 
+    PassContext context_of_pass()
+    {
+        PassContext context{job_.world, job_.seed, next_pass(), statistics_, &cancel_};
+        context.coarse_to_fine = done() == 0 && shows_part();
+        if (may_cut_ && may_give_up_ && stop().seconds > 0) context.half_time = &half_time_;
+        return context;
+    }
+
     // A pass that is cancelled at its end may be whole.
-    bool reached_all() const { return may_cut_ && job_.film.reached_part() == 1.0; }
+    bool is_whole() const { return may_cut_ && eyes_alone_ && job_.film.reached_part() == 1.0; }
+    // Whether the film can show a part of the running pass. The order from coarse to fine takes bidirectional methods 3
+    // to 5 % longer: only under a time limit.
+    bool shows_part() const
+    {
+        return may_cut_ && (eyes_alone_ || (done() > 0 ? copied_passes_ == done() : stop().seconds > 0));
+    }
 
     // Where the stop rule asks for an error and it is due. Whether it is depends on the pass alone, so a render that
     // was interrupted ends at the same pass.
     void estimate_error()
     {
-        if (!job_.stop.error_due(next_pass(), done(), job_.film.settings().correlated_passes)) return;
+        if (!stop().error_due(next_pass(), done(), job_.film.settings().correlated_passes)) return;
         const ErrorEstimate error = job_.film.error();
-        error_reached_ = error.total() <= job_.stop.error;
+        error_reached_ = error.total() <= stop().error;
         const std::lock_guard lock(mutex_);
         error_ = error.total();
         passes_at_error_ = done();
@@ -114,18 +133,18 @@ private:
     {
         if (error_reached_) return fmt::format("the estimated error is {:.3g} %", 100 * error_);
         if (requests_.count() > 0) return "stopped by request";
-        if (job_.stop.passes > 0 && done() >= job_.stop.passes) return "all passes done";
-        const double beyond = elapsed() + times_.expected() - job_.stop.seconds;
-        if (may_cut_ || elapsed() > 0.95 * job_.stop.seconds) return "time is up";
+        if (stop().passes > 0 && done() >= stop().passes) return "all passes done";
+        const double beyond = elapsed() + times_.expected() - stop().seconds;
+        if (may_cut_ || elapsed() > 0.95 * stop().seconds) return "time is up";
         return fmt::format("time is up: the next pass would end {:.1f} s after the limit", beyond);
     }
 
     // Copies the image of the completed passes where the running pass may be given up, or where it costs little.
     void copy_if_due()
     {
-        if (may_cut_ || done() == 0 || copied_passes_ == done()) return;
+        if ((may_cut_ && eyes_alone_) || done() == 0 || copied_passes_ == done()) return;
         const double now = elapsed();
-        const bool may_be_given_up = !job_.keep_film_whole && job_.stop.last_by_time(now, times_.expected());
+        const bool may_be_given_up = !job_.keep_film_whole && stop().last_by_time(now, times_.expected());
         if (!may_be_given_up && now - last_copy_ < copy_cost_ / copy_share) return;
         copy_ = job_.film.layers(copy_channels_);
         copied_passes_ = done();
@@ -137,13 +156,14 @@ private:
     {
         const std::lock_guard lock(mutex_);
         pass_start_ = elapsed();
-        may_give_up_ = !job_.keep_film_whole && (may_cut_ || (done() > 0 && copied_passes_ == done()));
+        half_time_.store(cancel_.load());
+        may_give_up_ = !job_.keep_film_whole && (shows_part() || (done() > 0 && copied_passes_ == done()));
     }
 
     void end_pass()
     {
-        job_.film.end_pass();
         const std::lock_guard lock(mutex_);
+        job_.film.end_pass();
         times_.add(elapsed() - pass_start_);
         done_ = job_.film.passes();
         pass_start_ = elapsed();
@@ -154,9 +174,31 @@ private:
     // A tick, or less where a pass is to be cut before that.
     std::chrono::duration<double> until_next_look() const
     {
-        const double left = job_.stop.seconds - elapsed();
+        const double left = stop().seconds - elapsed();
         return may_cut_ && left > 0 ? std::min<std::chrono::duration<double>>(tick, std::chrono::duration<double>(left))
                                     : tick;
+    }
+
+    // Looks at the picture when it is nearly done, to see how long writing will take; with the mutex held. Where that
+    // does not matter, or the light is not there yet, what was expected stays.
+    void look_at_picture()
+    {
+        constexpr int rows = 32;
+        const WriteTime& writing = job_.writing;
+        const double limit = job_.stop.seconds;
+        if (writing.noise < 0.01 * limit || elapsed() < limit - 1.5 * writing.noise) return;
+        if (job_.integrator.light_comes_last() && done_ == 0) return;
+        writing_ = writing.seconds(detail_of(job_.film.sample_rows(rows)));
+    }
+
+    // Ends what must end for time; with the mutex held.
+    void look_at_clock()
+    {
+        const bool shows_all = done_ > 0 || statistics_.eye_paths.load() >= first_round_;
+        if (!may_give_up_ || !shows_all) return;
+        const double now = elapsed();
+        if (may_cut_ && stop().time_is_up(2 * now - pass_start_)) half_time_.store(true);
+        if (may_cut_ ? stop().time_is_up(now) : stop().overdue(now)) cancel(Cause::time);
     }
 
     // The second thread: reports progress, and cancels the running pass when it must.
@@ -176,9 +218,8 @@ private:
             if (asked > 1) cancel(Cause::user);
             {
                 const std::lock_guard lock(mutex_);
-                const bool late = may_cut_ ? job_.stop.time_is_up(elapsed()) : job_.stop.overdue(elapsed());
-                const bool shows_all = done_ > 0 || statistics_.eye_paths.load() >= first_round_;
-                if (may_give_up_ && late && shows_all) cancel(Cause::time);
+                if (ticks % ticks_per_update == 0 && job_.stop.seconds > 0) look_at_picture();
+                look_at_clock();
             }
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
@@ -190,6 +231,7 @@ private:
         Cause none = Cause::none;
         cause_.compare_exchange_strong(none, cause);
         cancel_.store(true);
+        half_time_.store(true);
     }
 
     ProgressState state()
@@ -199,18 +241,18 @@ private:
         const double in_pass = now - pass_start_;
         ProgressState state;
         state.passes_done = done_;
-        state.passes_total = job_.stop.passes;
+        state.passes_total = stop().passes;
         state.eye_paths = statistics_.eye_paths.load();
         state.light_paths = statistics_.light_paths.load();
         state.photons = statistics_.photons_stored.load();
         state.elapsed = now;
-        state.remaining = job_.stop.remaining(done_, now, in_pass, times_.expected());
-        state.fraction = job_.stop.fraction(done_, now, in_pass, times_.expected());
+        state.remaining = stop().remaining(done_, now, in_pass, times_.expected());
+        state.fraction = stop().fraction(done_, now, in_pass, times_.expected());
         state.stopping = requests_.count() > 0;
         if (passes_at_error_ > 0) {
             // The error of a mean falls with the square root of the passes.
             state.error = error_ * std::sqrt(static_cast<double>(passes_at_error_) / std::max(done_, 1u));
-            const double ratio = error_ / job_.stop.error;
+            const double ratio = error_ / stop().error;
             const double left = (ratio * ratio * passes_at_error_ - done_) * times_.expected() - in_pass;
             if (state.remaining < 0 || left < state.remaining) {
                 state.remaining = std::max(left, 0.0);
@@ -251,14 +293,14 @@ private:
         result_.film_whole = whole_;
         result_.by_request = requests_.count() > 0;
         if (whole_) {
-            if (done() == 1 && job_.stop.overdue(result_.seconds))
+            if (done() == 1 && stop().overdue(result_.seconds))
                 progress_.note("one pass of this scene takes longer than the time limit; it was finished");
             result_.image = job_.film.layers(result_.channels);
             result_.passes = done();
             result_.error = job_.film.error();
         } else {
             if (!result_.failed) result_.reason = why_cut(cut_part);
-            if (may_cut_ && (done() > 0 || cut_part > 0)) {
+            if (shows_part() && (cut_part > 0 || (eyes_alone_ && done() > 0))) {
                 take_cut(cut_part);
             } else if (copied_passes_ > 0) {
                 result_.image = std::move(copy_);
@@ -287,14 +329,18 @@ private:
     // Whole passes, and a part of one more for some pixels.
     void take_cut(double part)
     {
-        if (part > 0) job_.film.end_cut_pass();
+        if (part > 0) job_.film.end_cut_pass(eyes_alone_ ? Image() : std::move(copy_));
         result_.film_whole = part == 0;
         result_.image = job_.film.layers(result_.channels);
         result_.passes = done();
-        if (done() == 0)
-            result_.incomplete = fmt::format(
-                "the first pass was cut short at {:.0f} %: pixels that it did not reach show their nearest neighbours",
-                std::floor(100 * part));
+        if (done() > 0) return;
+        result_.incomplete =
+            part == 1.0
+                ? std::string("the first pass was cut short: it has not all of its light paths")
+                : fmt::format(
+                      "the first pass was cut short at {:.0f} %: pixels that it did not reach show their nearest "
+                      "neighbours",
+                      std::floor(100 * part));
     }
 
     // Cancelled before there was any copy. The film holds `done` passes and a part of one more. Only when done is 0 is
@@ -320,7 +366,10 @@ private:
     std::atomic<bool> cancel_{false};
     std::atomic<Cause> cause_{Cause::none};
     bool whole_ = false;
-    const bool may_cut_;  // a part of a pass may be kept
+    std::atomic<double> writing_;         // that is expected [s]
+    std::atomic<bool> half_time_{false};  // of what is left for the running pass
+    const bool may_cut_;                  // a part of a pass may be kept
+    const bool eyes_alone_;
     const uint64_t first_round_;
 
     Image copy_;

@@ -1,15 +1,15 @@
 // A render: passes of one integrator into one film until a stop rule or the user ends it.
 //
-// How a render is stopped. A pass adds to the film directly. Where all of it are eye samples
-// (Integrator::adds_eye_samples_alone), a pass may be cut between two pixels: those that it reached have a sample more,
-// the image allows for that (Film::end_cut_pass), and nothing is lost. Which pixels are reached hangs on the time that
-// those before them took and not on their own light, so there is no bias. But such a film can only be shown, so that it
-// is not done where the film is to be kept, or is to estimate its error.
+// How a render is stopped. A pass adds to the film directly. It may be cut between two pixels: those that it reached
+// have a sample more, the image allows for that (Film::end_cut_pass), and nothing is lost. Which pixels are reached
+// hangs on the time that those before them took and not on their own light, so there is no bias. But such a film can
+// only be shown, so that it is not done where the film is to be kept, or is to estimate its error.
 //
-// Other passes are whole or nothing: cut short they leave sums that belong to no number of passes, and such a film is
-// never shown as if it were whole. For these the job keeps a copy of the image after a completed pass (floats, about a
-// quarter of the film's memory). A copy is made before a pass that may be given up for the time limit, and otherwise
-// whenever copying has cost less than 2 % of the render time so far.
+// Where not all light of a pass are eye samples (Integrator::adds_eye_samples_alone), pixels that a cut pass did not
+// reach have light of it all the same: they show the image as it was before. For that the job keeps a copy of the image
+// after a completed pass (floats, about a quarter of the film's memory); it also serves where a pass cannot be cut and
+// is given up as a whole. A copy is made before a pass that may meet the time limit, and otherwise whenever copying has
+// cost less than 2 % of the render time so far.
 //   first request (Ctrl-C)   the running pass is finished, the image of all passes is returned;
 //   second request           the running pass is cancelled: what there is of it is kept, or the latest copy is
 //                            returned, and what it lacks is said;
@@ -17,9 +17,9 @@
 //                            made before it has everything;
 //   an error in a pass       as the second request, with `failed` set.
 // The first pass, where it may be cut, goes over the image from coarse to fine, and is cut for time after its first
-// round at the earliest: pixels that it did not reach show their neighbours. Another first pass is not cut for time. If
-// it is cancelled, pixels not reached are black and light that was splatted is a part of the whole. `incomplete` says
-// so for the header of the file and for the message.
+// round at the earliest: pixels that it did not reach show their neighbours. Where it may not be cut and is cancelled
+// by the user, pixels not reached are black and light that was splatted is a part of the whole. `incomplete` says so
+// for the header of the file and for the message.
 #pragma once
 
 #include "dapple/film/film.h"
@@ -27,6 +27,7 @@
 #include "dapple/integrators/integrator.h"
 #include "dapple/render/progress.h"
 #include "dapple/render/stop_rule.h"
+#include "dapple/render/write_time.h"
 #include "dapple/world/world.h"
 
 #include <atomic>
@@ -66,8 +67,10 @@ struct RenderJob {
     Film& film;
     std::string integrator_name;
     uint64_t seed = 0;
-    StopRule stop;  // counts what the film holds already, and the time that went into it
+    StopRule stop;  // counts what the film holds already, and the time that went into it; writing included
     RenderCounters before{};
+    std::vector<std::string> notes{};  // shown at the beginning, beside what the integrator reports
+    WriteTime writing{};               // of the files, for which the time limit leaves room
     std::vector<PassObserver*> observers{};
     // No pass is given up for the time limit: the film stays one of whole passes, which may be continued.
     bool keep_film_whole = false;

@@ -23,6 +23,14 @@ double PassTimes::expected() const
     return sum / static_cast<double>(last_.size());
 }
 
+StopRule StopRule::leaving(double seconds_after) const
+{
+    constexpr double least = 1e-3;  // 0 would be no limit
+    StopRule rule = *this;
+    if (seconds > 0) rule.seconds = std::max(seconds - seconds_after, std::min(seconds, least));
+    return rule;
+}
+
 bool StopRule::another(uint32_t done, double elapsed, double expected_pass) const
 {
     if (done == 0) return true;

@@ -26,6 +26,9 @@ struct StopRule {
     double seconds = 0;   // render time, counted from the start of the first pass; 0: no limit
     double error = 0;     // estimated error of the image (ErrorEstimate::total); 0: none is asked for
 
+    // The rule with so many seconds less, where it has a time limit: for what comes after the passes.
+    StopRule leaving(double seconds_after) const;
+
     // How far past the time limit a running pass may go before it is given up, as a part of the limit.
     static constexpr double tolerance = 0.04;
 

@@ -124,7 +124,8 @@ TEST_F(RenderJobTest, ProgressAfterARequestIsThatOfThePass)
     EXPECT_LT(second.remaining, 0.5);
 }
 
-TEST_F(RenderJobTest, SecondRequestReturnsTheLastWholeImage)
+// Pixels that were finished have another sample, the others show the copy that was made before the pass.
+TEST_F(RenderJobTest, SecondRequestKeepsWhatIsFinished)
 {
     integrator_.work = [&](const PassContext& context) {
         if (context.pass < 1) return;
@@ -135,6 +136,25 @@ TEST_F(RenderJobTest, SecondRequestReturnsTheLastWholeImage)
     const RenderResult result = render(StopRule{100, 0});
     EXPECT_EQ(result.passes, 1u);
     EXPECT_EQ(result.incomplete, "");
+    EXPECT_FALSE(result.film_whole);
+    for (int y = 0; y < image_size; ++y)
+        EXPECT_FLOAT_EQ(result.image.at(0, y, 0), y < image_size / 2 ? 1.5f : 1.0f) << y;
+    for (int y = 0; y < image_size; ++y) EXPECT_EQ(film_.beauty().at(0, y, 0), result.image.at(0, y, 0)) << y;
+}
+
+// What an integrator cannot finish does not count.
+TEST_F(RenderJobTest, APassMayGiveItselfUp)
+{
+    integrator_.work = [&](const PassContext& context) {
+        if (context.pass < 1) return;
+        requests_.add();
+        requests_.add();
+        wait_for_cancel(context);
+        film_.give_up_pass();
+    };
+    const RenderResult result = render(StopRule{100, 0});
+    EXPECT_EQ(result.passes, 1u);
+    EXPECT_EQ(result.reason, "stopped at once by request, the last pass was given up");
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(0, y, 0), 1.0f) << y;
 }
 
@@ -157,7 +177,7 @@ TEST_F(RenderJobTest, KeepsATimeLimit)
     integrator_.work = [](const PassContext&) { sleep_ms(10); };
     const RenderResult result = render(StopRule{0, 0.5});
     EXPECT_NEAR(result.seconds, 0.5, 0.025);
-    EXPECT_EQ(result.reason, "time is up");
+    EXPECT_EQ(result.reason.substr(0, 10), "time is up");
 }
 
 TEST_F(RenderJobTest, GivesUpAPassThatOverruns)
@@ -193,6 +213,27 @@ TEST_F(RenderJobTest, CutsAPassWhenTimeIsUp)
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), y < image_size / 2 ? 3.0f : 2.5f);
 }
 
+// Where light comes otherwise, too, pixels that the pass did not reach show the image before it, although they have
+// light of the pass.
+TEST_F(RenderJobTest, CutsAPassOfSplats)
+{
+    integrator_.before_pixels = [&](const PassContext&) {
+        for (int y = 0; y < image_size; ++y) film_.add_to_pixel({2, y}, Vec3(8), PathClass::caustic, LightGroup(0u));
+    };
+    integrator_.work = [](const PassContext& context) {
+        if (context.pass == 4) wait_for_cancel(context);
+        if (context.pass < 4) sleep_ms(50);
+    };
+    const RenderResult result = render(StopRule{0, 0.26});
+    ASSERT_EQ(result.passes, 4u);
+    EXPECT_EQ(result.reason, "time is up, with 50 % of another pass");
+    EXPECT_FALSE(result.film_whole);
+    for (int y = 0; y < image_size; ++y) {
+        EXPECT_FLOAT_EQ(result.image.at(1, y, 0), y < image_size / 2 ? 3.0f : 2.5f) << y;
+        EXPECT_FLOAT_EQ(result.image.at(2, y, 0), y < image_size / 2 ? 11.0f : 10.5f) << y;
+    }
+}
+
 // The first pass, too, once it has reached all parts of the image; what it did not reach shows what is next to it.
 TEST_F(RenderJobTest, CutsTheFirstPassWhenTimeIsUp)
 {
@@ -204,6 +245,37 @@ TEST_F(RenderJobTest, CutsTheFirstPassWhenTimeIsUp)
     EXPECT_EQ(result.reason, "time is up, with 50 % of the first pass");
     EXPECT_NE(result.incomplete, "");
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), 1.0f) << y;
+}
+
+TEST_F(RenderJobTest, CutsTheFirstPassOfSplatsWhenTimeIsUp)
+{
+    integrator_.eye_samples_alone = false;
+    integrator_.work = wait_for_cancel;
+    const RenderResult result = render(StopRule{0, 0.2});
+    EXPECT_EQ(result.passes, 0u);
+    EXPECT_FALSE(result.film_whole);
+    EXPECT_EQ(result.reason, "time is up, with 50 % of the first pass");
+    EXPECT_NE(result.incomplete, "");
+    for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), 1.0f) << y;
+}
+
+// Half of what is left for a pass is announced, so that one with light paths after its eye paths can end those.
+TEST_F(RenderJobTest, AnnouncesHalfTime)
+{
+    double half = 0, whole = 0;
+    const auto start = std::chrono::steady_clock::now();
+    const auto now = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+    integrator_.work = [&](const PassContext& context) {
+        ASSERT_NE(context.half_time, nullptr);
+        while (!*context.half_time && now() < 2) sleep_ms(1);
+        half = now();
+        EXPECT_FALSE(context.cancelled());
+        while (!context.cancelled() && now() < 4) sleep_ms(1);
+        whole = now();
+    };
+    render(StopRule{0, 0.4});
+    EXPECT_GE(half, 0.2);
+    EXPECT_GE(whole, 0.4);
 }
 
 TEST_F(RenderJobTest, DoesNotCutTheFirstPassBeforeItsFirstRound)

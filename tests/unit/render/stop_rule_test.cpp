@@ -90,5 +90,12 @@ TEST(PassTimes, ForgetTheFirstPassWhenItWasSlower)
     EXPECT_DOUBLE_EQ(times.expected(), 1);
 }
 
+TEST(StopRule, LeavesTimeForWhatComesAfter)
+{
+    EXPECT_DOUBLE_EQ((StopRule{0, 10}).leaving(1.5).seconds, 8.5);
+    EXPECT_GT((StopRule{0, 1}).leaving(2).seconds, 0.0);  // 0 would be no limit
+    EXPECT_EQ((StopRule{5, 0}).leaving(2).seconds, 0.0);
+}
+
 }  // namespace
 }  // namespace dapple
