@@ -96,7 +96,7 @@ void report_lacks(const RenderResult& result, const IntegratorChoice& choice)
     if (result.incomplete.empty()) return;
     if (result.by_request) return log_warning("{}", result.incomplete);
     std::string smaller = "--resolution";
-    for (const std::string_view fewer : {"photons", "lightpaths", "cacherays"})
+    for (const std::string_view fewer : {"photons", "particles", "lightpaths", "cacherecords"})
         for (const SettingInfo& info : choice.entry->settings)
             if (info.name == fewer) smaller += fmt::format(", -D {}", fewer);
     log_warning("{}; what helps: a longer --time, or a smaller {}", result.incomplete, smaller);

@@ -19,9 +19,13 @@ namespace {
 class FirstPass {
 public:
     FirstPass(const TestScene& scene, const std::string& name, uint64_t seed)
+        : FirstPass(scene, name, seed, small_settings(name, 1))
+    {
+    }
+    FirstPass(const TestScene& scene, const std::string& name, uint64_t seed, const SettingList& settings)
         : scene_(scene),
           seed_(seed),
-          choice_(choose_integrator({}, name, small_settings(name, 1))),
+          choice_(choose_integrator({}, name, settings)),
           integrator_(choice_.entry->create(scene.world(), choice_.settings)),
           film_(film_settings(scene.description(), scene.world(), LayerChoice(), choice_.entry->photon_layers,
                               ColorModel::spectral))
@@ -49,6 +53,13 @@ public:
         Statistics statistics;
         const std::atomic<bool> cancel{true}, half_time{false};
         integrator_->render_pass({scene_.world(), seed_, 0, statistics, &cancel, true, &half_time}, film_);
+    }
+    // The same in a later pass, which photon splatting gives up for lack of light paths.
+    void render_too_few_light_paths()
+    {
+        Statistics statistics;
+        const std::atomic<bool> cancel{true}, half_time{false};
+        integrator_->render_pass({scene_.world(), seed_, 1, statistics, &cancel, false, &half_time}, film_);
     }
     void render_whole()
     {
@@ -140,6 +151,17 @@ TEST(CutPhotonSplatting, IsAFunctionOfTheCut)
     whole.film().end_pass();
     EXPECT_EQ(one.film().beauty().pixels, other.film().beauty().pixels);
     EXPECT_NEAR(mean(one.film().beauty()) / mean(whole.film().beauty()), 1.0, 0.05);
+}
+
+// A later pass that had no time for its photons would darken what the others made.
+TEST(CutPhotonSplatting, GivesUpAPassOfFewLightPaths)
+{
+    const TestScene scene = agreement_scene("diffuse_room");
+    FirstPass passes(scene, "photonsplat", 1, {{"photons", "40000"}});
+    passes.render_whole();
+    passes.film().end_pass();
+    passes.render_too_few_light_paths();
+    EXPECT_EQ(passes.film().reached_part(), 0.0);
 }
 
 // The numbers of a short limit make a picture of the right brightness, too, and say what they are.

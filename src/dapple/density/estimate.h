@@ -123,18 +123,26 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     float radius_squared = sqr(bandwidth.max_radius);
     int left_out = -1;
     EstimateSupport support;
+    const auto farthest_but = [&](int place) {
+        float distance_squared = 0.0f;
+        for (int i = 0; i < nearest.count(); ++i)
+            if (i != place) distance_squared = std::max(distance_squared, nearest.distance_squared(i));
+        return std::sqrt(distance_squared);
+    };
+    if (nearest.count() == nearest.k() - 1) support.before_last = farthest_but(-1);
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
+        support.before_last = farthest_but(left_out);
         support.last = std::sqrt(nearest.distance_squared(left_out));
-        radius_squared = detail::even_radius_squared(nearest, left_out);
         const float least =
             std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
-        if (radius_squared < sqr(least)) {
-            const float last = support.last;
-            support = detail::visit_within(map, region, bandwidth.kernel, least, visit);
-            support.before_last = support.last = last;
-            return support;
+        if (support.last < least) {
+            EstimateSupport within = detail::visit_within(map, region, bandwidth.kernel, least, visit);
+            within.before_last = support.before_last;
+            within.last = support.last;
+            return within;
         }
+        radius_squared = std::max(detail::even_radius_squared(nearest, left_out), sqr(least));
     } else if (!(bandwidth.max_radius < infinity)) {
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.
         if (nearest.count() < 2) return {};
@@ -144,16 +152,13 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     support.radius = std::sqrt(radius_squared);
     const float inv_radius = 1.0f / support.radius;
     const float scale = inv_radius * inv_radius / static_cast<float>(map.emitted());
-    float before_last = 0.0f;
     for (int i = 0; i < nearest.count(); ++i) {
         if (i == left_out) continue;
         const float distance_squared = nearest.distance_squared(i);
-        before_last = std::max(before_last, distance_squared);
         if (distance_squared >= radius_squared && left_out >= 0) continue;
         ++support.count;
         visit(nearest.index(i), kernel_disc(bandwidth.kernel, std::sqrt(distance_squared) * inv_radius) * scale);
     }
-    if (nearest.count() >= nearest.k() - 1) support.before_last = std::sqrt(before_last);
     support.density = static_cast<float>(support.count) * inv_pi * inv_radius * inv_radius;
     return support;
 }

@@ -49,15 +49,12 @@ public:
 
     IrradianceCache make()
     {
-        for (int stride = first_stride; stride >= least_stride && pays(stride); stride /= 2)
+        for (int stride = first_stride; stride >= least_stride && settings_.pays(stride); stride /= 2)
             for (int part : {0, 3, 1, 2}) add_wave(stride, part & 1, part >> 1);
         return context_.cancelled() ? IrradianceCache() : std::move(cache_);
     }
 
 private:
-    // Whether a record of a grid takes no more rays than its pixels would.
-    bool pays(int stride) const { return stride * stride * settings_.pixel_rays >= settings_.rays; }
-
     // The pixels at the middle of the cells of a grid that are odd or even across and down.
     void add_wave(int stride, int odd_x, int odd_y)
     {
@@ -206,11 +203,11 @@ private:
 
 }  // namespace
 
-int64_t places_of_records(const FilmSettings& film)
+int64_t places_of_records(const FilmSettings& film, const OvertureSettings& settings)
 {
     const Int2 size = film.crop_max - film.crop_min;
     int64_t places = 0;
-    for (int stride = first_stride; stride >= least_stride; stride /= 2)
+    for (int stride = first_stride; stride >= least_stride && settings.pays(stride); stride /= 2)
         places += (int64_t(size.x) / stride + 1) * (int64_t(size.y) / stride + 1);
     return places;
 }

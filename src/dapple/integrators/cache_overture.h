@@ -20,10 +20,13 @@ struct OvertureSettings {
     int pixel_rays = 32;    // that a pixel without a record gathers in an epoch
     float accuracy = 0.2f;  // radius of a record over what limits it
     int64_t most = 0;       // records; 0: as many as are wanted
+
+    // Whether a record of a grid `stride` pixels wide takes no more rays than its pixels would.
+    bool pays(int stride) const { return stride * stride * pixel_rays >= rays; }
 };
 
 // About as many records as a picture can want: a place in every cell of all grids.
-int64_t places_of_records(const FilmSettings& film);
+int64_t places_of_records(const FilmSettings& film, const OvertureSettings& settings);
 
 // The cache for the surfaces that eye paths meet in the film's crop window, with one set of irradiance for each of the
 // epoch's maps. Empty if cancelled.

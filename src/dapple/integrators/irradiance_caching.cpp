@@ -85,7 +85,7 @@ public:
         Effort photons = epochs_.effort(context, film);
         photons.share = share;
         if (!film.light_groups.empty()) return {photons};
-        return {photons, {"cacherecords", "records per epoch", places_of_records(film), 16, share}};
+        return {photons, {"cacherecords", "records per epoch", places_of_records(film, overture_), 16, share}};
     }
 
     std::vector<std::string> report() const override

@@ -132,14 +132,16 @@ public:
         if (context.half_time) eyes.cancel = context.half_time;
         see(eyes, film, sets, points);
         for (VisiblePoints& of_set : points) of_set.index();
+        double per_photon = 1.0;
         if (context.half_time) {
-            splat_until_cut(context, film, sets, points);
+            per_photon = splat_until_cut(context, film, sets, points);
         } else {
             for (size_t i = 0; i < sets.size(); ++i)
                 splat(context, film, sets[i], points[i], {0, sets[i].photons.paths});
-            if (context.cancelled()) return film.give_up_pass();
+            if (context.cancelled()) per_photon = 0.0;
         }
-        for (const VisiblePoints& of_set : points) note_density(film, of_set);
+        if (per_photon == 0.0) return film.give_up_pass();
+        for (const VisiblePoints& of_set : points) note_density(film, of_set, static_cast<float>(per_photon));
     }
 
     bool light_comes_last() const override { return true; }
@@ -198,9 +200,10 @@ private:
     }
 
     // In rounds of equally many light paths of each set, until all are traced; where eye paths were cut, until the time
-    // is up. Their light is divided by the number that was traced.
-    void splat_until_cut(const PassContext& context, Film& film, const std::vector<PassSet>& sets,
-                         const std::vector<VisiblePoints>& points) const
+    // is up. Their light is divided by the number that was traced: returns how much more each counts than in a whole
+    // pass; or 0 where there are too few of them to count at all.
+    double splat_until_cut(const PassContext& context, Film& film, const std::vector<PassSet>& sets,
+                           const std::vector<VisiblePoints>& points) const
     {
         constexpr int64_t round = 2048;
         PassContext whole_rounds = context;
@@ -217,8 +220,10 @@ private:
             traced = end;
         } while (!context.cancelled() && (to_the_end || traced < all));
         // Few light paths are better than none, but would bring noise into the mean of other passes.
-        if (!context.coarse_to_fine && 2 * traced < all) return film.give_up_pass();
-        film.add_light(light, static_cast<double>(all) / static_cast<double>(traced));
+        if (!context.coarse_to_fine && 2 * traced < all) return 0.0;
+        const double per_photon = static_cast<double>(all) / static_cast<double>(traced);
+        film.add_light(light, per_photon);
+        return per_photon;
     }
 
     void add(const World& world, Film& film, const Sensor::LaneColors& colors, const PassSet& set,
@@ -242,12 +247,12 @@ private:
     }
 
     // Fills the layer of photon density, which is known only now.
-    static void note_density(Film& film, const VisiblePoints& points)
+    static void note_density(Film& film, const VisiblePoints& points, float per_photon)
     {
         PixelSample sums(0);
         points.for_each([&](const VisiblePoint& point) {
             if (!point.first || point.photons == 0) return;
-            sums.photon_density = static_cast<float>(point.photons) * inv_pi / sqr(point.radius);
+            sums.photon_density = per_photon * static_cast<float>(point.photons) * inv_pi / sqr(point.radius);
             film.add_pixel(point.pixel, sums, 1);
         });
     }

@@ -89,6 +89,9 @@ private:
                 if (done() == 0) throw;
                 result_.failed = true;
                 result_.reason = std::string("stopped by an error in a pass: ") + error.what();
+                // Pixels may lack the light that was to come after their eye paths.
+                const std::lock_guard lock(mutex_);
+                if (!eyes_alone_) job_.film.give_up_pass();
                 return;
             }
             if (cancel_.load() && !is_whole()) return;
@@ -187,7 +190,7 @@ private:
         const WriteTime& writing = job_.writing;
         const double limit = job_.stop.seconds;
         if (writing.noise < 0.01 * limit || elapsed() < limit - 1.5 * writing.noise) return;
-        if (job_.integrator.light_comes_last() && done_ == 0) return;
+        if (job_.integrator.light_comes_last()) return;
         writing_ = writing.seconds(detail_of(job_.film.sample_rows(rows)));
     }
 
