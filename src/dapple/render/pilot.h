@@ -4,7 +4,8 @@
 // a setting like one that the user gives: it is in the header of the file, and checkpoints go on with it.
 //
 // The trials take some 5 % of the time where they find that numbers must be lowered (a fifth at worst, for each of the
-// numbers), and some 20 ms where the limit is long. Halves, and not just any number, so that renders on machines of a kind can be merged.
+// numbers), and some 20 ms where the limit is long. Halves, and not just any number, so that renders on machines of a
+// kind can be merged.
 #pragma once
 
 #include "dapple/render/scene_defaults.h"

@@ -183,15 +183,15 @@ private:
     }
 
     // Looks at the picture when it is nearly done, to see how long writing will take; with the mutex held. Where that
-    // does not matter, or the light is not there yet, what was expected stays.
+    // does not matter, or the light comes after eye paths, what was expected stays.
     void look_at_picture()
     {
         constexpr int rows = 32;
         const WriteTime& writing = job_.writing;
         const double limit = job_.stop.seconds;
-        if (writing.noise < 0.01 * limit || elapsed() < limit - 1.5 * writing.noise) return;
-        if (job_.integrator.light_comes_last()) return;
-        writing_ = writing.seconds(detail_of(job_.film.sample_rows(rows)));
+        if (job_.integrator.light_comes_last() || writing.noise < 0.01 * limit) return;
+        if (elapsed() >= limit - 1.5 * writing.noise)
+            writing_ = writing.seconds(detail_of(job_.film.sample_rows(rows)));
     }
 
     // Ends what must end for time; with the mutex held.
