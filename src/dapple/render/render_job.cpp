@@ -187,11 +187,9 @@ private:
     void look_at_picture()
     {
         constexpr int rows = 32;
-        const WriteTime& writing = job_.writing;
-        const double limit = job_.stop.seconds;
-        if (job_.integrator.light_comes_last() || writing.noise < 0.01 * limit) return;
-        if (elapsed() >= limit - 1.5 * writing.noise)
-            writing_ = writing.seconds(detail_of(job_.film.sample_rows(rows)));
+        const double limit = job_.stop.seconds, noise = job_.writing.noise;
+        if (job_.integrator.light_comes_last() || noise < 0.01 * limit || elapsed() < limit - 1.5 * noise) return;
+        writing_ = job_.writing.seconds(detail_of(job_.film.sample_rows(rows)));
     }
 
     // Ends what must end for time; with the mutex held.
