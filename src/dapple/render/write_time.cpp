@@ -1,14 +1,15 @@
 #include "dapple/render/write_time.h"
 
+#include "dapple/base/error.h"
 #include "dapple/base/parallel.h"
 #include "dapple/image/image_file.h"
 #include "dapple/render/output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <random>
 
@@ -45,11 +46,28 @@ double seconds_of(const std::string& path, const Image& image, const WriteOption
 {
     const auto start = std::chrono::steady_clock::now();
     write_image(path, image, options);
-    const double taken = seconds_since(start);
-    std::error_code ignored;
-    fs::remove(path, ignored);
-    return taken;
+    return seconds_since(start);
 }
+
+// A new folder for trials that nobody else can write into.
+class TrialFolder {
+public:
+    TrialFolder()
+    {
+        if (!mkdtemp(path_.data())) throw UserError("cannot make a temporary folder");
+    }
+    TrialFolder(const TrialFolder&) = delete;
+    TrialFolder& operator=(const TrialFolder&) = delete;
+    ~TrialFolder()
+    {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    fs::path path() const { return path_; }
+
+private:
+    std::string path_ = (fs::temp_directory_path() / "dapple-XXXXXX").string();
+};
 
 // `rows` of them, written as a file and scaled to `height`; one row takes what any file takes.
 double seconds_to_write(const std::vector<std::string>& paths, const Image& rows, int height, WriteOptions options)
@@ -57,10 +75,10 @@ double seconds_to_write(const std::vector<std::string>& paths, const Image& rows
     Image row(rows.width, 1, rows.channels);
     std::copy_n(rows.pixels.begin(), row.pixels.size(), row.pixels.begin());
     double seconds = 0;
+    const TrialFolder folder;
     for (const std::string& path : paths) {
         if (is_state_path(path)) continue;
-        const std::string name = fmt::format("dapple-{}{}", getpid(), fs::path(path).extension().string());
-        const std::string trial = (fs::temp_directory_path() / name).string();
+        const std::string trial = (folder.path() / ("trial" + fs::path(path).extension().string())).string();
         const double once = seconds_of(trial, row, options);
         // The better of two, as something else may have been in the way.
         const double all = std::min(seconds_of(trial, rows, options), seconds_of(trial, rows, options));
