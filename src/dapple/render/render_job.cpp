@@ -361,13 +361,11 @@ private:
     const StopRequests& requests_;
     Progress& progress_;
     Statistics statistics_;
-    bool error_reached_ = false;
     RenderResult result_;
     Clock::time_point start_;
-    std::atomic<bool> cancel_{false};
+    std::atomic<double> writing_;  // that is expected [s]
     std::atomic<Cause> cause_{Cause::none};
-    bool whole_ = false;
-    std::atomic<double> writing_;         // that is expected [s]
+    std::atomic<bool> cancel_{false};
     std::atomic<bool> half_time_{false};  // of what is left for the running pass
     const bool may_cut_;                  // a part of a pass may be kept
     const bool eyes_alone_;
@@ -375,17 +373,19 @@ private:
 
     Image copy_;
     std::vector<std::string> copy_channels_;
-    uint32_t copied_passes_ = 0;
     double last_copy_ = 0;
     double copy_cost_ = 0;
+    uint32_t copied_passes_ = 0;
+    bool error_reached_ = false;
+    bool whole_ = false;
 
     std::mutex mutex_;  // guards what the watcher reads: from here on
     PassTimes times_;
-    uint32_t done_;
-    uint32_t passes_at_error_ = 0;  // 0: the error is not known
     double error_ = 0;
     double pass_start_ = 0;
     uint64_t eye_paths_before_pass_ = 0;
+    uint32_t done_;
+    uint32_t passes_at_error_ = 0;  // 0: the error is not known
     bool may_give_up_ = false;
 };
 
