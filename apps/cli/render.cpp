@@ -271,6 +271,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     if (options.quiet) set_log_level(LogLevel::silent);
     set_thread_count(options.threads);
     const bool resumed = !start.checkpoint.empty();
+    StopRequests requests;  // outlives the handler that counts into it
     Interrupts interrupts;
 
     scene::Description description = read_changed_scene(options);
@@ -303,7 +304,6 @@ int render(const RenderOptions& options, const RenderStart& start)
     load_checkpoint(start, identity, film);
 
     const std::unique_ptr<Progress> progress = make_progress(options.quiet ? ProgressKind::none : options.progress);
-    StopRequests requests;
     interrupts.pass_to(requests);
     if (resumed) progress->note(going_on(start, stop));
     RenderJob job{*world, *integrator, film, identity.record.integrator, identity.record.seed, stop};

@@ -10,9 +10,9 @@
 // have the same model. Larger ones stand in the table with their reason.
 // Short form: few passes, the whole ring within 4 minutes on 2 cores. Long form: environment DAPPLE_REFERENCE_PASSES=N
 // multiplies the passes by N (scripts/reference-full).
+#include "dapple/base/temp_folder.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
-#include "support/temp_folder.h"
 
 #include "dapple/formats/pbrt.h"
 #include "dapple/image/image_file.h"

@@ -123,16 +123,14 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     float radius_squared = sqr(bandwidth.max_radius);
     int left_out = -1;
     EstimateSupport support;
-    const auto farthest_but = [&](int place) {
-        float distance_squared = 0.0f;
-        for (int i = 0; i < nearest.count(); ++i)
-            if (i != place) distance_squared = std::max(distance_squared, nearest.distance_squared(i));
-        return std::sqrt(distance_squared);
-    };
-    if (nearest.count() == nearest.k() - 1) support.before_last = farthest_but(-1);
+    if (nearest.count() == nearest.k() - 1)
+        support.before_last = std::sqrt(nearest.distance_squared(nearest.farthest()));
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
-        support.before_last = farthest_but(left_out);
+        float before_last = 0.0f;
+        for (int i = 0; i < nearest.count(); ++i)
+            if (i != left_out) before_last = std::max(before_last, nearest.distance_squared(i));
+        support.before_last = std::sqrt(before_last);
         support.last = std::sqrt(nearest.distance_squared(left_out));
         const float least =
             std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);

@@ -3,8 +3,8 @@
 #include "dapple/formats/nanovdb.h"
 
 #include "dapple/base/error.h"
+#include "dapple/base/temp_folder.h"
 #include "dapple/math/hash.h"
-#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

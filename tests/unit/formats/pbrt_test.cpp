@@ -1,7 +1,7 @@
 // What the pbrt reader makes of correct scenes: transforms, state, inheritance, entities and warnings.
 #include "dapple/formats/pbrt.h"
 
-#include "support/temp_folder.h"
+#include "dapple/base/temp_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The same small mesh in all forms of PLY must read the same.
 #include "dapple/formats/ply.h"
 
+#include "dapple/base/temp_folder.h"
 #include "dapple/formats/read_file.h"
-#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

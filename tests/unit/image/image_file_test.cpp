@@ -1,8 +1,8 @@
 #include "dapple/image/image_file.h"
 
 #include "dapple/base/error.h"
+#include "dapple/base/temp_folder.h"
 #include "support/error_of.h"
-#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -3,8 +3,8 @@
 
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
+#include "dapple/base/temp_folder.h"
 #include "dapple/render/checkpointer.h"
-#include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

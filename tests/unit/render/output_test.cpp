@@ -3,7 +3,7 @@
 
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
-#include "support/temp_folder.h"
+#include "dapple/base/temp_folder.h"
 
 #include <gtest/gtest.h>
 

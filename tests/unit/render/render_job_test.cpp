@@ -235,9 +235,11 @@ TEST_F(RenderJobTest, CutsAPassOfSplats)
 }
 
 // The first pass, too, once it has reached all parts of the image; what it did not reach shows what is next to it.
-TEST_F(RenderJobTest, CutsTheFirstPassWhenTimeIsUp)
+class FirstPassCut : public RenderJobTest, public ::testing::WithParamInterface<bool> {};
+
+TEST_P(FirstPassCut, WhenTimeIsUp)
 {
-    integrator_.eye_samples_alone = true;
+    integrator_.eye_samples_alone = GetParam();
     integrator_.work = wait_for_cancel;
     const RenderResult result = render(StopRule{0, 0.2});
     EXPECT_EQ(result.passes, 0u);
@@ -247,17 +249,8 @@ TEST_F(RenderJobTest, CutsTheFirstPassWhenTimeIsUp)
     for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), 1.0f) << y;
 }
 
-TEST_F(RenderJobTest, CutsTheFirstPassOfSplatsWhenTimeIsUp)
-{
-    integrator_.eye_samples_alone = false;
-    integrator_.work = wait_for_cancel;
-    const RenderResult result = render(StopRule{0, 0.2});
-    EXPECT_EQ(result.passes, 0u);
-    EXPECT_FALSE(result.film_whole);
-    EXPECT_EQ(result.reason, "time is up, with 50 % of the first pass");
-    EXPECT_NE(result.incomplete, "");
-    for (int y = 0; y < image_size; ++y) EXPECT_FLOAT_EQ(result.image.at(1, y, 1), 1.0f) << y;
-}
+INSTANTIATE_TEST_SUITE_P(Splats, FirstPassCut, ::testing::Bool(),
+                         [](const auto& test) { return test.param ? "None" : "Some"; });
 
 // Half of what is left for a pass is announced, so that one with light paths after its eye paths can end those.
 TEST_F(RenderJobTest, AnnouncesHalfTime)

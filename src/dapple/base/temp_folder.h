@@ -1,4 +1,4 @@
-// A folder of a test's own, whatever runs beside it; it goes with the test.
+// A new folder that nobody else writes into, whatever runs beside; it goes with this.
 #pragma once
 
 #include <stdlib.h>  // mkdtemp
@@ -14,7 +14,7 @@ class TempFolder {
 public:
     TempFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "dapple-test-XXXXXX").string();
+        std::string name = (std::filesystem::temp_directory_path() / "dapple-XXXXXX").string();
         if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a folder like " + name);
         path_ = name;
     }
