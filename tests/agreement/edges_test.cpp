@@ -39,7 +39,7 @@ TEST_P(Edges, AreAsBrightAsTheMiddleOfAnEvenlyLitFloor)
     request.integrator = GetParam();
     request.color_model = ColorModel::rgb;
     request.seed = 7;
-    request.passes = 10;
+    request.passes = 12;
     if (GetParam() == "vcm") request.settings = {{"lightpaths", "20000"}, {"techniques", "bpm"}};
     const std::vector<Image> images = scene.render_batches(request, batches);
     // The camera sees x grow to the left or to the right; the shadow tells.

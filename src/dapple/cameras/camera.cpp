@@ -176,10 +176,11 @@ CameraRay generate_ray(const Camera& camera, const Vec2& raster, const Vec2& u_l
     });
 }
 
-bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float time, float margin,
-             CameraConnection& connection)
+namespace {
+
+bool connect_from(const Camera& camera, const Transform& world_from_camera, const Vec3& point, const Vec2& u_lens,
+                  float margin, CameraConnection& connection)
 {
-    const Transform world_from_camera = camera.world_from_camera.at(time);
     const Vec3 p = Transform::apply_point(world_from_camera.inverse_matrix(), point);
     const float det = static_cast<float>(std::abs(determinant3(world_from_camera.matrix())));
     Vec3 origin(0.0f, 0.0f, 0.0f);
@@ -213,14 +214,25 @@ bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float 
     return std::isfinite(connection.importance);
 }
 
+}  // namespace
+
+bool connect(const Camera& camera, const Vec3& point, const Vec2& u_lens, float time, float margin,
+             CameraConnection& connection)
+{
+    return camera.world_from_camera.with(time, [&](const Transform& world_from_camera) {
+        return connect_from(camera, world_from_camera, point, u_lens, margin, connection);
+    });
+}
+
 float importance_at(const Camera& camera, const Vec3& point, float distance, float time)
 {
-    const Transform world_from_camera = camera.world_from_camera.at(time);
-    const Vec3 p = Transform::apply_point(world_from_camera.inverse_matrix(), point);
-    const float det = static_cast<float>(std::abs(determinant3(world_from_camera.matrix())));
-    float s;
-    const float density = raster_density(camera, p, s);
-    return s > 0.0f ? density * (distance / s) / det : 0.0f;
+    return camera.world_from_camera.with(time, [&](const Transform& world_from_camera) {
+        const Vec3 p = Transform::apply_point(world_from_camera.inverse_matrix(), point);
+        const float det = static_cast<float>(std::abs(determinant3(world_from_camera.matrix())));
+        float s;
+        const float density = raster_density(camera, p, s);
+        return s > 0.0f ? density * (distance / s) / det : 0.0f;
+    });
 }
 
 float pixel_footprint(const Camera& camera, float distance)

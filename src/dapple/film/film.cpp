@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <istream>
 #include <ostream>
@@ -52,6 +53,7 @@ void PixelSample::clear()
     radius = 0.0f;
     class_rgb_.fill(Vec3(0));
     std::fill(group_rgb_.begin(), group_rgb_.end(), Vec3(0));
+    classes_ = 0;
     dropped_ = 0;
 }
 
@@ -93,11 +95,14 @@ void Film::add_pixel(Int2 pixel, const PixelSample& sample, int samples)
 
     // Radiance goes in as a whole or not at all: classes and groups must both sum to the beauty.
     uint64_t dropped = sample.dropped_;
-    const bool valid = std::all_of(sample.class_rgb_.begin(), sample.class_rgb_.end(), accepted) &&
-                       std::all_of(sample.group_rgb_.begin(), sample.group_rgb_.end(), accepted);
+    bool valid = std::all_of(sample.group_rgb_.begin(), sample.group_rgb_.end(), accepted);
+    for (uint32_t left = sample.classes_; left != 0; left &= left - 1)
+        valid = valid && accepted(sample.class_rgb_[std::countr_zero(left)]);
     if (valid) {
-        for (int i = 0; i < path_class_count; ++i)
+        for (uint32_t left = sample.classes_; left != 0; left &= left - 1) {
+            const int i = std::countr_zero(left);
             add(s.radiance(static_cast<PathClass>(i)).pixel(index), 3, sample.class_rgb_[i], factor);
+        }
         const size_t groups = std::min(sample.group_rgb_.size(), settings_.light_groups.size());
         for (size_t i = 0; i < groups; ++i)
             add(s.planes[s.first_group + i].pixel(index), 3, sample.group_rgb_[i], factor);

@@ -44,6 +44,7 @@ public:
             return;
         }
         class_rgb_[static_cast<int>(path_class)] += sensor_rgb;
+        classes_ |= 1u << static_cast<int>(path_class);
         if (group.value < group_rgb_.size()) group_rgb_[group.value] += sensor_rgb;
     }
     Guides guides;
@@ -54,6 +55,7 @@ private:
     friend class Film;
     std::array<Vec3, path_class_count> class_rgb_ = {Vec3(0), Vec3(0), Vec3(0), Vec3(0), Vec3(0)};
     std::vector<Vec3> group_rgb_;
+    uint32_t classes_ = 0;  // those that something was added to, as bits
     uint64_t dropped_ = 0;
 };
 

@@ -108,24 +108,27 @@ Sensor make_sensor(const std::string& name, const std::string& color_space_name,
     if (!(white_balance >= 0.0f)) throw UserError(fmt::format("the white balance {} K is negative", white_balance));
     const ColorSpace& space = color_space(color_space_name);
 
-    Sensor sensor;
-    sensor.imaging_ratio = imaging_ratio;
+    Curves response;
     const bool cie = name == "cie1931";
     for (int c = 0; c < 3; ++c) {
         const std::vector<float>* curve = cie ? &cie_matching_functions()[c] : sensor_curve(name, c);
         if (!curve) throw UserError(fmt::format("unknown sensor '{}'{}", name, did_you_mean(name, sensor_names())));
-        sensor.response[c] = *curve;
+        response[c] = *curve;
     }
     Matrix3d xyz_from_response;
     if (!cie) {
         const std::vector<float> scene_white = daylight_table(white_balance > 0.0f ? white_balance : 6500.0f);
-        xyz_from_response = fit_camera(sensor.response, scene_white, space.illuminant);
+        xyz_from_response = fit_camera(response, scene_white, space.illuminant);
     } else if (white_balance > 0.0f) {
         const Vec3 source = xyz_of_table(daylight_table(white_balance));
         xyz_from_response = bradford_adaptation({double(source.x) / source.y, 1.0, double(source.z) / source.y},
                                                 xyz_of_chromaticity(space.white.x, space.white.y));
     }
-    sensor.rgb_from_response = to_float(to_double(space.rgb_from_xyz) * xyz_from_response);
+    const auto rgb_from_response = to_float(to_double(space.rgb_from_xyz) * xyz_from_response);
+    Sensor sensor;
+    sensor.imaging_ratio = imaging_ratio;
+    for (size_t i = 0; i < spectrum_table_size; ++i)
+        sensor.rgb.push_back(multiply(rgb_from_response, Vec3(response[0][i], response[1][i], response[2][i])));
     return sensor;
 }
 
@@ -140,9 +143,8 @@ Sensor::LaneColors::LaneColors(const Sensor& sensor, const Wavelengths& waveleng
         if (wavelengths.pdf[i] == 0.0f) continue;
         const int index =
             std::clamp(static_cast<int>(wavelengths.lambda[i] - lambda_min + 0.5f), 0, spectrum_table_size - 1);
-        const Vec3 response(sensor.response[0][index], sensor.response[1][index], sensor.response[2][index]);
-        color_[i] = multiply(sensor.rgb_from_response, response) *
-                    (sensor.imaging_ratio / (Spectrum::lanes * wavelengths.pdf[i]));
+        color_[i] =
+            sensor.rgb[static_cast<size_t>(index)] * (sensor.imaging_ratio / (Spectrum::lanes * wavelengths.pdf[i]));
     }
 }
 

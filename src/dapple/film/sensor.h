@@ -14,10 +14,8 @@ namespace dapple {
 
 struct Sensor {
     float imaging_ratio = 1.0f;  // exposure time * ISO / 100
-    // Sensor response curves, spectrum_table_size values each; CIE XYZ by default (see sensor.cpp).
-    std::array<std::vector<float>, 3> response;
-    // Output RGB (linear, the film's colour space) from sensor response.
-    std::array<std::array<float, 3>, 3> rgb_from_response{};
+    // Output RGB (linear, the film's colour space) of radiance at each wavelength, in steps of 1 nm from lambda_min.
+    std::vector<Vec3> rgb;
 
     // Output RGB of radiance L [W/(m2 sr nm)]: mean over lanes of response * L / pdf, times the imaging ratio, to the
     // output colour space. In the rgb model: L's first three lanes times the imaging ratio.

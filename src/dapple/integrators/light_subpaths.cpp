@@ -87,6 +87,14 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
     for (int set = 0; set < sets; ++set)
         set_starts_.push_back({wavelengths_of_set(model, seed_, pass_, set, sets), time_of_set(seed_, pass_, set, sets),
                                static_cast<int>((turn + static_cast<uint32_t>(set)) % Spectrum::lanes)});
+    if (sets > 1) {
+        set_of_path_.resize(static_cast<size_t>(plan_.paths));
+        parallel_for(plan_.paths, 4096, [&](int64_t path) {
+            const Int2 pixel(static_cast<int>(path % resolution_.x), static_cast<int>(path / resolution_.x));
+            set_of_path_[static_cast<size_t>(path)] =
+                static_cast<uint32_t>(set_of_pixel(pixel, pass_, static_cast<size_t>(sets)));
+        });
+    }
     if (plan_.merging) {
         maps_.resize(set_starts_.size());
         for (int64_t path = 0; path < plan_.paths; ++path) ++maps_[set_of(path)].paths;
@@ -118,7 +126,7 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
 
 size_t LightSubpaths::memory_bytes() const
 {
-    size_t bytes = 0;
+    size_t bytes = set_of_path_.size() * sizeof(uint32_t);
     for (const Chunk& chunk : chunks_)
         bytes += chunk.vertices.size() * sizeof(LightVertex) + chunk.bsdfs.size() * sizeof(Bsdf) +
                  chunk.end.size() * sizeof(uint32_t);
@@ -131,13 +139,6 @@ size_t LightSubpaths::memory_bytes() const
     // build_maps: the members of all sets, with room to grow, and one set at a time its positions, its order and two
     // buffers of 16 bytes that the tree sorts in.
     return bytes + all * 2 * sizeof(void*) + most * (sizeof(Vec3) + sizeof(uint32_t) + 32);
-}
-
-size_t LightSubpaths::set_of(int64_t path) const
-{
-    if (plan_.wavelength_sets <= 1) return 0;
-    const Int2 pixel(static_cast<int>(path % resolution_.x), static_cast<int>(path / resolution_.x));
-    return set_of_pixel(pixel, pass_, static_cast<size_t>(plan_.wavelength_sets));
 }
 
 PathStart LightSubpaths::start(int64_t path) const

@@ -106,7 +106,7 @@ public:
     // Of what is kept, and what building the maps took.
     size_t memory_bytes() const;
     // The set of wavelengths of a path.
-    size_t set_of(int64_t path) const;
+    size_t set_of(int64_t path) const { return set_of_path_.empty() ? 0 : set_of_path_[static_cast<size_t>(path)]; }
     // The start that path j shares with the eye path of its pixel.
     PathStart start(int64_t path) const;
 
@@ -168,6 +168,7 @@ private:
     uint64_t seed_ = 0;
     uint32_t pass_ = 0;
     std::vector<PathStart> set_starts_;
+    std::vector<uint32_t> set_of_path_;  // empty: they all are of one
     std::vector<Chunk> chunks_;
     std::vector<Map> maps_;
 };

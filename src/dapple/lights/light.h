@@ -34,7 +34,7 @@ struct Light {
     AnimatedTransform world_from_light;    // all but area lights
     float cos_total = -1, cos_falloff = -1;  // spot: cosines of cone angle and of the start of the falloff
     float screen_half[2] = {1, 1};  // projection: half extent of the image on the plane z = 1; its top is at +y
-    Primitive shape;                // area: its geometry in world space
+    SampledShape shape;             // area: its geometry in world space
     float alpha = 1.0f;             // area: constant alpha of the shape
     FloatTextureId alpha_texture;   // area: its textured alpha, if any; whoever samples the light multiplies it in
     LightGroup group{0u};

@@ -190,7 +190,7 @@ float power_factor(const Light& light, const Lights& lights)
         case Light::Kind::point: return 4.0f * pi;
         case Light::Kind::spot: return lights_detail::spot_core(light) + lights_detail::spot_rim(light);
         case Light::Kind::distant: return disc;
-        case Light::Kind::area: return pi * area(light.shape) * (light.two_sided ? 2.0f : 1.0f) * mean;
+        case Light::Kind::area: return pi * area(light.shape.primitive) * (light.two_sided ? 2.0f : 1.0f) * mean;
         case Light::Kind::environment: return 4.0f * pi * disc;
         case Light::Kind::environment_image: return 4.0f * pi * disc * mean;
         case Light::Kind::goniometric: return 4.0f * pi * mean;

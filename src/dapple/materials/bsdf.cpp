@@ -71,7 +71,7 @@ bool is_layered(BsdfKind kind) { return kind == BsdfKind::coated_diffuse || kind
 
 }  // namespace
 
-bool Bsdf::is_delta() const
+bool Bsdf::has_deltas_alone() const
 {
     switch (kind) {
         case BsdfKind::none:
@@ -162,12 +162,33 @@ BsdfBothWays evaluate_both_ways(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi
 {
     const BsdfValue value = evaluate_with_pdf(bsdf, wo, wi, mode);
     if (value.f.is_black()) return {};
+    if (bsdf.kind == BsdfKind::diffuse) return {value.f, value.pdf, pdf_cosine_hemisphere(abs_dot(wo, bsdf.frame.n))};
     return {value.f, value.pdf, pdf(bsdf, wi, wo, mode)};
 }
+
+namespace {
+
+// The commonest family: as below, without what it has no use for.
+bool sample_diffuse(const Bsdf& bsdf, const Vec3& wo_world, const Vec2& u, TransportMode mode, BsdfSample& sample)
+{
+    const Vec3 wo(0.0f, 0.0f, dot(wo_world, bsdf.frame.n));
+    Vec3 wi = sample_cosine_hemisphere(u);
+    if (in_plane(wo) || in_plane(wi)) return false;
+    sample.pdf = pdf_cosine_hemisphere(wi.z);
+    if (wo.z < 0.0f) wi.z = -wi.z;
+    sample.wi = normalize(bsdf.frame.to_world(wi));
+    sample.weight = bsdf.a * adjoint_factor(bsdf, wo_world, sample.wi, wo.z, wi.z, 1.0f, mode);
+    sample.delta = sample.transmission = false;
+    sample.eta = 1.0f;
+    return !sample.weight.is_black() && sample.pdf > 0.0f;
+}
+
+}  // namespace
 
 bool sample_bsdf(const Bsdf& bsdf, const Vec3& wo_world, float u_lobe, const Vec2& u, TransportMode mode,
                  BsdfSample& sample)
 {
+    if (bsdf.kind == BsdfKind::diffuse) return sample_diffuse(bsdf, wo_world, u, mode, sample);
     const Vec3 wo = bsdf.frame.to_local(wo_world);
     if (in_plane(wo) || !sample_lobe(bsdf, wo, u_lobe, u, sample)) return false;
     const float wi_z = sample.wi.z;

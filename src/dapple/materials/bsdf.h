@@ -53,10 +53,13 @@ struct Bsdf {
     Roughness base_roughness;  // of a coated conductor's base
 
     // Every lobe is a delta: nothing to evaluate, connect to, or store a photon at.
-    bool is_delta() const;
+    bool is_delta() const { return kind != BsdfKind::diffuse && has_deltas_alone(); }
     bool transmits() const;
     // Whether sample_bsdf looks at u_lobe.
     bool chooses_lobe() const { return kind > BsdfKind::diffuse && kind != BsdfKind::conductor; }
+
+private:
+    bool has_deltas_alone() const;
 };
 
 struct BsdfSample {

@@ -163,8 +163,25 @@ bool uses_tangents(const Material& material)
            differ(material.coat_u_roughness, material.coat_v_roughness);
 }
 
-bool uses_tangents(const Materials& materials, MaterialId id)
+namespace {
+
+// Whether some texture of the material may change from point to point.
+bool is_textured(const Textures& textures, const Material& material)
 {
+    for (const SpectrumTextureId id :
+         {material.reflectance, material.transmittance, material.eta, material.k, material.albedo})
+        if (id.valid() && textures.spectra[id.value].kind != TextureNode::Kind::constant) return true;
+    for (const FloatTextureId id : {material.u_roughness, material.v_roughness, material.coat_u_roughness,
+                                    material.coat_v_roughness, material.thickness, material.g, material.mix_amount})
+        if (id.valid() && textures.floats[id.value].kind != TextureNode::Kind::constant) return true;
+    return false;
+}
+
+}  // namespace
+
+SurfaceDetail needed_detail(const Materials& materials, MaterialId id)
+{
+    SurfaceDetail detail = SurfaceDetail::bare;
     // Materials of a mix come before it or after it, and mixes may form a circle: each is looked at once.
     std::vector<bool> seen(materials.list.size(), false);
     std::vector<MaterialId> open{id};
@@ -174,10 +191,11 @@ bool uses_tangents(const Materials& materials, MaterialId id)
         if (!next.valid() || seen[next.value]) continue;
         seen[next.value] = true;
         const Material& material = materials.list[next.value];
-        if (material.kind != Material::Kind::mix && uses_tangents(material)) return true;
+        if (material.kind != Material::Kind::mix && uses_tangents(material)) return SurfaceDetail::tangents;
+        if (is_textured(materials.textures, material)) detail = SurfaceDetail::no_tangents;
         if (material.kind == Material::Kind::mix) open.insert(open.end(), {material.mix[0], material.mix[1]});
     }
-    return false;
+    return detail;
 }
 
 Bsdf make_bsdf(const Materials& materials, const SpectrumPool& pool, MaterialId id, const SurfacePoint& at,

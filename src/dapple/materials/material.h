@@ -60,8 +60,8 @@ inline MaterialId resolve_mix(const Materials& materials, MaterialId id, const S
 
 // Whether make_bsdf looks at the tangents of the surface point: bumped, normal-mapped or anisotropic materials.
 bool uses_tangents(const Material& material);
-// The same of any material that a mix may resolve to.
-bool uses_tangents(const Materials& materials, MaterialId id);
+// What textures and lobes look at, of any material that a mix may resolve to.
+SurfaceDetail needed_detail(const Materials& materials, MaterialId id);
 
 // The Bsdf at a surface point; applies bump and normal maps to the frame. kept_lane: the lane at which a dispersive
 // index is taken (spectral model).

@@ -30,12 +30,19 @@ inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& error, const Vec3& n_ge
 {
     const float distance = dot(abs(n_geometric), error);
     const Vec3 offset = n_geometric * (dot(direction, n_geometric) < 0.0f ? -distance : distance);
-    Vec3 origin = p + offset;
-    // Round away from the surface: the addition above may have rounded back onto it.
-    for (int axis = 0; axis < 3; ++axis) {
-        if (offset[axis] != 0.0f) origin[axis] = next_float(origin[axis], offset[axis] > 0.0f);
-    }
-    return origin;
+    // Round away from the surface: the addition may have rounded back onto it. Three axes at once, and without
+    // branches, which no processor could foresee: next_float where the offset is not 0.
+    typedef float Float4 __attribute__((vector_size(16)));
+    typedef int32_t Int4 __attribute__((vector_size(16)));
+    const Float4 by{offset.x, offset.y, offset.z, 0.0f};
+    const Float4 origin = Float4{p.x, p.y, p.z, 0.0f} + by;
+    const Int4 bits = std::bit_cast<Int4>(origin);
+    const Int4 up = by > 0.0f;
+    const Int4 step = 1 | ~(up ^ (bits < 0));  // 1 or, where next_float goes to smaller bits, -1
+    const Int4 next = origin == 0.0f ? (up ? Int4{} + 1 : Int4{} + INT32_MIN + 1) : bits + step;
+    const Int4 result = by != 0.0f ? next : bits;
+    const auto moved = std::bit_cast<Float4>(result);
+    return {moved[0], moved[1], moved[2]};
 }
 
 }  // namespace dapple

@@ -69,21 +69,6 @@ AliasTable::AliasTable(std::span<const float> weights) : bins_(weights.size())
         if (bins_[rest.index].p == 0.0f) bins_[rest.index] = {0.0f, heaviest, 0.0f};
 }
 
-uint32_t AliasTable::sample(float u, float* remapped) const
-{
-    DAPPLE_ASSERT(!bins_.empty());
-    const float scaled = u * static_cast<float>(bins_.size());
-    const uint32_t index = std::min(static_cast<uint32_t>(scaled), static_cast<uint32_t>(bins_.size() - 1));
-    const Bin& bin = bins_[index];
-    const float rest = std::clamp(scaled - static_cast<float>(index), 0.0f, one_minus_epsilon);
-    const bool own = rest < bin.threshold;
-    if (remapped) {
-        const float fraction = own ? rest / bin.threshold : (rest - bin.threshold) / (1.0f - bin.threshold);
-        *remapped = std::clamp(fraction, 0.0f, one_minus_epsilon);
-    }
-    return own ? index : bin.alias;
-}
-
 Distribution1D::Distribution1D(std::span<const float> values)
     : values_(values.begin(), values.end()), cdf_(values.size() + 1)
 {

@@ -18,6 +18,7 @@ public:
     explicit AliasTable(std::span<const float> weights);
 
     // Index chosen with probability(index); u in [0,1) is consumed and `remapped` returned uniform in [0,1).
+    // There must be a weight.
     uint32_t sample(float u, float* remapped = nullptr) const;
     float probability(uint32_t index) const { return bins_[index].p; }
     size_t size() const { return bins_.size(); }
@@ -30,6 +31,20 @@ private:
     };
     std::vector<Bin> bins_;
 };
+
+inline uint32_t AliasTable::sample(float u, float* remapped) const
+{
+    const float scaled = u * static_cast<float>(bins_.size());
+    const uint32_t index = std::min(static_cast<uint32_t>(scaled), static_cast<uint32_t>(bins_.size() - 1));
+    const Bin& bin = bins_[index];
+    const float rest = std::clamp(scaled - static_cast<float>(index), 0.0f, one_minus_epsilon);
+    const bool own = rest < bin.threshold;
+    if (remapped) {
+        const float fraction = own ? rest / bin.threshold : (rest - bin.threshold) / (1.0f - bin.threshold);
+        *remapped = std::clamp(fraction, 0.0f, one_minus_epsilon);
+    }
+    return own ? index : bin.alias;
+}
 
 // Piecewise constant density on [0,1].
 class Distribution1D {

@@ -5,6 +5,8 @@
 
 #include "dapple/shapes/packed.h"
 
+#include <cstring>
+
 namespace dapple {
 namespace {
 
@@ -99,6 +101,38 @@ Vec3 mesh_error_bound(const Vec3& p0, const Vec3& p1, const Vec3& p2)
     return error_bound(p, e1, e2, std::sqrt(dot(normal, normal)));
 }
 
+namespace {
+
+// Position, error and geometric normal from the corners and the edges from the first of them.
+[[gnu::always_inline]] inline void set_bare(const Float4 (&p)[3], const Double4& p0, const Double4& e1,
+                                            const Double4& e2, bool flip, double b1, double b2, SurfacePoint& point)
+{
+    point.position = narrow(p0 + e1 * b1 + e2 * b2);
+    const Double4 normal = cross(e1, e2);
+    const double normal_length = std::sqrt(dot(normal, normal));
+    point.error = error_bound(p, e1, e2, normal_length);
+    const Vec3 n = normal_length > 0.0 ? narrow(normal * (1.0 / normal_length)) : Vec3(0.0f, 0.0f, 1.0f);
+    point.n_geometric = point.n_shading = flip ? -n : n;
+}
+
+Float4 load(const Vec3* padded)
+{
+    Float4 p;
+    std::memcpy(&p, padded, sizeof p);
+    return p;
+}
+
+}  // namespace
+
+void bare_surface_point(const Vec3* positions, const uint32_t* corners, bool flip, const Vec2& barycentrics, float time,
+                        SurfacePoint& point)
+{
+    const Float4 p[3] = {load(positions + corners[0]), load(positions + corners[1]), load(positions + corners[2])};
+    const Double4 p0 = widen(p[0]);
+    point.time = time;
+    set_bare(p, p0, widen(p[1]) - p0, widen(p[2]) - p0, flip, barycentrics.x, barycentrics.y, point);
+}
+
 void triangle_surface_point(const TriangleCorners& triangle, const Vec2& barycentrics, float time, SurfaceDetail detail,
                             SurfacePoint& point)
 {
@@ -108,16 +142,9 @@ void triangle_surface_point(const TriangleCorners& triangle, const Vec2& barycen
     const Double4 e2 = widen(p[2]) - p0;
     const double b1 = barycentrics.x;
     const double b2 = barycentrics.y;
-
     point.time = time;
-    point.position = narrow(p0 + e1 * b1 + e2 * b2);
-
-    const Double4 normal = cross(e1, e2);
-    const double normal_length = std::sqrt(dot(normal, normal));
-    point.error = error_bound(p, e1, e2, normal_length);
-    Vec3 n = normal_length > 0.0 ? narrow(normal * (1.0 / normal_length)) : Vec3(0.0f, 0.0f, 1.0f);
-    if (triangle.flip) n = -n;
-    point.n_geometric = point.n_shading = n;
+    set_bare(p, p0, e1, e2, triangle.flip, b1, b2, point);
+    const Vec3 n = point.n_geometric;
 
     Vec3d interpolated(0.0);
     bool has_normal = false;
@@ -132,6 +159,8 @@ void triangle_surface_point(const TriangleCorners& triangle, const Vec2& barycen
             interpolated = unpack(sum);
         }
     }
+
+    if (detail == SurfaceDetail::bare) return;
 
     double du[2], dv[2];
     if (triangle.has_uv) {

@@ -25,8 +25,8 @@ struct MeshTriangle {
 SurfacePoint mesh_surface_point(const MeshTriangle& triangle, const Vec2& barycentrics, float time,
                                 SurfaceDetail detail = SurfaceDetail::tangents);
 
-// The same for a triangle whose corners lie elsewhere: what a hit costs most without. Writes into `point`; without
-// tangents dpdu to dndv keep what they held.
+// The same for a triangle whose corners lie elsewhere: what a hit costs most without. Writes into `point`; what is not
+// wanted keeps what it held.
 struct TriangleCorners {
     const Vec3* p[3];
     const Vec3* n[3];   // used when has_normals
@@ -39,6 +39,11 @@ struct TriangleCorners {
 };
 void triangle_surface_point(const TriangleCorners& triangle, const Vec2& barycentrics, float time, SurfaceDetail detail,
                             SurfacePoint& point);
+
+// The barest and commonest of them: no shading normals, no uv wanted. positions: followed by 4 bytes or more that may
+// be read; corners: the indices of three of them.
+void bare_surface_point(const Vec3* positions, const uint32_t* corners, bool flip, const Vec2& barycentrics, float time,
+                        SurfacePoint& point);
 
 // Absolute bound per axis of the height at which single-precision ray-triangle tests (Moeller and Trumbore 1997, as in
 // Embree) may still report a hit with this triangle for rays that leave one of its points: see mesh.cpp.

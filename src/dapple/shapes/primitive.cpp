@@ -49,6 +49,12 @@ bool intersect(const Primitive& primitive, const Ray& ray, float t_min, float t_
     }
 }
 
+bool meet(const Primitive& primitive, const Ray& ray, float t_min, float t_max, PrimitiveHit& hit)
+{
+    if (!detail::is_whole_sphere(primitive)) return intersect(primitive, ray, t_min, t_max, hit);
+    return detail::sphere_meet(primitive, ray, t_min, t_max, hit.t);
+}
+
 SurfacePoint surface_point(const Primitive& primitive, const PrimitiveHit& hit, float time)
 {
     switch (primitive.kind) {
@@ -58,59 +64,58 @@ SurfacePoint surface_point(const Primitive& primitive, const PrimitiveHit& hit, 
     }
 }
 
-SurfacePoint surface_point(const Primitive& primitive, const Ray& ray, const PrimitiveHit& hit)
+SurfacePoint surface_point(const Primitive& primitive, const Ray& ray, const PrimitiveHit& hit, SurfaceDetail wanted)
 {
     if (primitive.kind == Kind::triangle || primitive.kind == Kind::bilinear)
         return surface_point(primitive, hit, ray.time);
     const detail::Vec3d near =
         detail::to_double(ray.origin) + detail::to_double(ray.direction) * static_cast<double>(hit.t);
-    return detail::quadric_surface_point_near(primitive, near, ray.time);
+    return detail::quadric_surface_point_near(primitive, near, ray.time, wanted);
 }
 
-ShapeSample sample_area(const Primitive& primitive, const Vec2& u)
+SampledShape::SampledShape(const Primitive& shape) : primitive(shape)
 {
-    switch (primitive.kind) {
-        case Kind::triangle: return detail::triangle_sample_area(primitive, u);
-        case Kind::bilinear: return detail::patch_sample_area(primitive, u);
-        default: return detail::quadric_sample_area(primitive, u);
+    whole_sphere = detail::is_whole_sphere(shape);
+    if (shape.kind == Kind::triangle) detail::prepare_triangle(*this);
+}
+
+ShapeSample sample_area(const SampledShape& shape, const Vec2& u)
+{
+    switch (shape.primitive.kind) {
+        case Kind::triangle: return detail::triangle_sample_area(shape, u);
+        case Kind::bilinear: return detail::patch_sample_area(shape.primitive, u);
+        default: return detail::quadric_sample_area(shape.primitive, u);
     }
 }
 
-float pdf_area(const Primitive& primitive, const Vec3& position)
+float pdf_area(const SampledShape& shape, const Vec3& position)
 {
-    switch (primitive.kind) {
-        case Kind::triangle: {
-            const double total = detail::triangle_area(primitive);
-            return total > 0.0 ? static_cast<float>(1.0 / total) : 0.0f;
-        }
-        case Kind::bilinear: return detail::patch_pdf_area(primitive, position);
-        default: return detail::quadric_pdf_area(primitive, position);
+    switch (shape.primitive.kind) {
+        case Kind::triangle: return shape.density;
+        case Kind::bilinear: return detail::patch_pdf_area(shape.primitive, position);
+        default: return detail::quadric_pdf_area(shape.primitive, position);
     }
 }
 
-bool sample_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec2& u, ShapeSample& sample)
+bool sample_solid_angle(const SampledShape& shape, const Vec3& reference, const Vec2& u, ShapeSample& sample)
 {
-    if (detail::is_whole_sphere(primitive)) return detail::sphere_sample_solid_angle(primitive, reference, u, sample);
-    if (primitive.kind == Kind::triangle) {
-        detail::SphericalTriangle triangle;
-        if (detail::find_spherical_triangle(primitive, reference, triangle))
-            return detail::triangle_sample_solid_angle(primitive, triangle, u, sample);
-    }
-    sample = sample_area(primitive, u);
+    if (shape.whole_sphere) return detail::sphere_sample_solid_angle(shape.primitive, reference, u, sample);
+    detail::SphericalTriangle triangle;
+    if (detail::find_spherical_triangle(shape, reference, triangle))
+        return detail::triangle_sample_solid_angle(shape, triangle, u, sample);
+    sample = sample_area(shape, u);
     const Vec3 wi = normalize(sample.position - reference);
     sample.pdf = area_to_solid_angle(sample.pdf, reference, sample.position, wi, sample.normal);
     return sample.pdf > 0.0f;
 }
 
-float pdf_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec3& wi, const Vec3& at, const Vec3& n)
+float pdf_solid_angle(const SampledShape& shape, const Vec3& reference, const Vec3& wi, const Vec3& at, const Vec3& n)
 {
-    if (detail::is_whole_sphere(primitive)) return detail::sphere_pdf_solid_angle(primitive, reference, wi);
-    if (primitive.kind == Kind::triangle) {
-        detail::SphericalTriangle triangle;
-        if (detail::find_spherical_triangle(primitive, reference, triangle))
-            return static_cast<float>(1.0 / triangle.solid_angle);
-    }
-    return area_to_solid_angle(pdf_area(primitive, at), reference, at, wi, n);
+    if (shape.whole_sphere) return detail::sphere_pdf_solid_angle(shape.primitive, reference, wi);
+    detail::SphericalTriangle triangle;
+    if (detail::find_spherical_triangle(shape, reference, triangle))
+        return static_cast<float>(1.0 / triangle.solid_angle);
+    return area_to_solid_angle(pdf_area(shape, at), reference, at, wi, n);
 }
 
 }  // namespace dapple

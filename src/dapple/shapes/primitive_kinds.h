@@ -13,12 +13,14 @@ double quadric_area(const Primitive& primitive);
 bool quadric_intersect(const Primitive& primitive, const Ray& ray, float t_min, float t_max, PrimitiveHit& hit);
 SurfacePoint quadric_surface_point(const Primitive& primitive, const Vec2& uv, float time);
 // The surface point below a position near the quadric.
-SurfacePoint quadric_surface_point_near(const Primitive& primitive, const Vec3d& near, float time);
+SurfacePoint quadric_surface_point_near(const Primitive& primitive, const Vec3d& near, float time,
+                                        SurfaceDetail detail = SurfaceDetail::tangents);
 ShapeSample quadric_sample_area(const Primitive& primitive, const Vec2& u);
 float quadric_pdf_area(const Primitive& primitive, const Vec3& position);
 
 // Whole spheres by solid angle (quadrics_solid_angle.cpp).
 bool is_whole_sphere(const Primitive& primitive);
+bool sphere_meet(const Primitive& primitive, const Ray& ray, float t_min, float t_max, float& t);
 bool sphere_sample_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec2& u, ShapeSample& sample);
 float sphere_pdf_solid_angle(const Primitive& primitive, const Vec3& reference, const Vec3& wi);
 
@@ -33,7 +35,8 @@ float patch_pdf_area(const Primitive& primitive, const Vec3& position);
 double triangle_area(const Primitive& primitive);
 SurfacePoint triangle_primitive_surface_point(const Primitive& primitive, const Vec2& barycentrics, float time,
                                               SurfaceDetail detail = SurfaceDetail::tangents);
-ShapeSample triangle_sample_area(const Primitive& primitive, const Vec2& u);
+void prepare_triangle(SampledShape& shape);
+ShapeSample triangle_sample_area(const SampledShape& shape, const Vec2& u);
 // A triangle as a reference point sees it.
 struct SphericalTriangle {
     double inv_length[3];           // of the vertices' distances
@@ -42,9 +45,9 @@ struct SphericalTriangle {
     double volume;       // triple product of the directions, positive
     double solid_angle;  // [sr]
 };
-// False where the triangle is to be sampled by area.
-bool find_spherical_triangle(const Primitive& primitive, const Vec3& reference, SphericalTriangle& triangle);
-bool triangle_sample_solid_angle(const Primitive& primitive, const SphericalTriangle& triangle, const Vec2& u,
+// False where the shape is to be sampled by area.
+bool find_spherical_triangle(const SampledShape& shape, const Vec3& reference, SphericalTriangle& triangle);
+bool triangle_sample_solid_angle(const SampledShape& shape, const SphericalTriangle& triangle, const Vec2& u,
                                  ShapeSample& sample);
 
 // The part of a SurfacePoint that a ShapeSample holds; pdf is left 0.

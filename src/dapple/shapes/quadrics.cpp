@@ -20,12 +20,14 @@ struct Ranges {
     bool cut_below, cut_above;  // sphere: z0 or z1 cuts something off
 };
 
+bool is_full_turn(const Primitive& primitive) { return primitive.phi_max > 2.0 * pi_d * (1.0 - 1e-6); }
+
 Ranges ranges(const Primitive& primitive)
 {
     Ranges r{};
     const double radius = primitive.radius;
     r.phi_max = primitive.phi_max;
-    r.full_turn = r.phi_max > 2.0 * pi_d * (1.0 - 1e-6);
+    r.full_turn = is_full_turn(primitive);
     if (r.full_turn) r.phi_max = 2.0 * pi_d;
     r.z0 = std::min(primitive.z_min, primitive.z_max);
     r.z1 = std::max(primitive.z_min, primitive.z_max);
@@ -142,32 +144,46 @@ bool is_similarity(const Matrix4& matrix)
            std::abs(product(0, 2)) < tolerance;
 }
 
-SurfacePoint to_world(const Primitive& primitive, const LocalPoint& local, double u, double v, float time)
+double outside_sign(const Primitive& primitive)
+{
+    return (determinant3(primitive.world_from_object.matrix()) < 0.0) != primitive.flip ? -1.0 : 1.0;
+}
+
+// What is wanted of a point at least; local_p and local_normal in object space.
+SurfacePoint bare_point(const Primitive& primitive, const Vec3d& local_p, const Vec3d& local_normal, float time)
 {
     const Matrix4& matrix = primitive.world_from_object.matrix();
-    const Matrix4& inverse = primitive.world_from_object.inverse_matrix();
-    const double sign = (determinant3(matrix) < 0.0) != primitive.flip ? -1.0 : 1.0;
-
     SurfacePoint point;
     point.time = time;
-    point.uv = Vec2(static_cast<float>(u), static_cast<float>(v));
-    const Vec3d position = transform_point(matrix, local.p);
+    const Vec3d position = transform_point(matrix, local_p);
     point.position = to_float(position);
-    point.dpdu = to_float(transform_vector(matrix, local.dpdu));
-    point.dpdv = to_float(transform_vector(matrix, local.dpdv));
-    const Vec3d normal = transform_normal(inverse, local.normal) * sign;
+    const Vec3d normal =
+        transform_normal(primitive.world_from_object.inverse_matrix(), local_normal) * outside_sign(primitive);
     point.n_geometric = point.n_shading = to_float(normal / normal.length());
-    point.dndu = to_float(normalized_change(normal, transform_normal(inverse, local.dndu) * sign));
-    point.dndv = to_float(normalized_change(normal, transform_normal(inverse, local.dndv) * sign));
-    point.dpdu_shading = Frame::from_normal_tangent(point.n_shading, point.dpdu).s;
     // Rounding to single precision, and the double arithmetic of the transform where its terms cancel.
     for (int i = 0; i < 3; ++i) {
         const auto& row = matrix.m[i];
         const double terms =
-            (std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2])) * (primitive.radius + std::abs(local.p.z)) +
+            (std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2])) * (primitive.radius + std::abs(local_p.z)) +
             std::abs(row[3]);
         point.error[i] = static_cast<float>(0x1p-22 * std::abs(position[i]) + 0x1p-46 * terms);
     }
+    return point;
+}
+
+SurfacePoint to_world(const Primitive& primitive, const LocalPoint& local, double u, double v, float time)
+{
+    const Matrix4& matrix = primitive.world_from_object.matrix();
+    const Matrix4& inverse = primitive.world_from_object.inverse_matrix();
+    SurfacePoint point = bare_point(primitive, local.p, local.normal, time);
+    point.uv = Vec2(static_cast<float>(u), static_cast<float>(v));
+    point.dpdu = to_float(transform_vector(matrix, local.dpdu));
+    point.dpdv = to_float(transform_vector(matrix, local.dpdv));
+    const double sign = outside_sign(primitive);
+    const Vec3d normal = transform_normal(inverse, local.normal) * sign;
+    point.dndu = to_float(normalized_change(normal, transform_normal(inverse, local.dndu) * sign));
+    point.dndv = to_float(normalized_change(normal, transform_normal(inverse, local.dndv) * sign));
+    point.dpdu_shading = Frame::from_normal_tangent(point.n_shading, point.dpdu).s;
     return point;
 }
 
@@ -265,11 +281,19 @@ SurfacePoint quadric_surface_point(const Primitive& primitive, const Vec2& uv, f
     return to_world(primitive, local_point(primitive, ranges(primitive), uv.x, uv.y), uv.x, uv.y, time);
 }
 
-SurfacePoint quadric_surface_point_near(const Primitive& primitive, const Vec3d& near, float time)
+SurfacePoint quadric_surface_point_near(const Primitive& primitive, const Vec3d& near, float time, SurfaceDetail detail)
 {
+    const Vec3d local = transform_point(primitive.world_from_object.inverse_matrix(), near);
+    if (detail == SurfaceDetail::bare && is_whole_sphere(primitive)) {
+        const double distance = local.length();
+        if (distance > 0.0) {
+            const Vec3d normal = local * (1.0 / distance);
+            return bare_point(primitive, normal * static_cast<double>(primitive.radius), normal, time);
+        }
+    }
     const Ranges r = ranges(primitive);
     double u, v;
-    locate(primitive, r, transform_point(primitive.world_from_object.inverse_matrix(), near), u, v);
+    locate(primitive, r, local, u, v);
     return to_world(primitive, local_point(primitive, r, u, v), u, v, time);
 }
 
@@ -309,9 +333,24 @@ float quadric_pdf_area(const Primitive& primitive, const Vec3& position)
 
 bool is_whole_sphere(const Primitive& primitive)
 {
-    if (primitive.kind != Kind::sphere) return false;
-    const Ranges r = ranges(primitive);
-    return r.full_turn && !r.cut_below && !r.cut_above;
+    if (primitive.kind != Kind::sphere || !is_full_turn(primitive)) return false;
+    return std::min(primitive.z_min, primitive.z_max) <= -primitive.radius &&
+           std::max(primitive.z_min, primitive.z_max) >= primitive.radius;
+}
+
+bool sphere_meet(const Primitive& primitive, const Ray& ray, float t_min, float t_max, float& t)
+{
+    const Matrix4& inverse = primitive.world_from_object.inverse_matrix();
+    const Vec3d o = transform_point(inverse, to_double(ray.origin));
+    const Vec3d d = transform_vector(inverse, to_double(ray.direction));
+    double roots[2];
+    if (!circle_roots(o, d, primitive.radius, roots)) return false;
+    for (const double root : roots)
+        if (root > t_min && root < t_max) {
+            t = static_cast<float>(root);
+            return true;
+        }
+    return false;
 }
 
 }  // namespace dapple::detail

@@ -8,9 +8,12 @@
 
 namespace dapple {
 
-// Whether the tangents and what changes along them are wanted (bump and normal maps, anisotropic lobes), or are left
-// out because nothing will look at them.
-enum class SurfaceDetail : uint8_t { no_tangents, tangents };
+// What is wanted of a surface point; the rest is left out because nothing will look at it.
+enum class SurfaceDetail : uint8_t {
+    bare,         // position and normals
+    no_tangents,  // uv as well (textures)
+    tangents,     // and the tangents and what changes along them (bump and normal maps, anisotropic lobes)
+};
 
 struct SurfacePoint {
     Vec3 position{0, 0, 0};

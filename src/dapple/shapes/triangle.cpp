@@ -1,8 +1,12 @@
 // Triangles as light sources: sampling by area, and by solid angle after Arvo 1995, "Stratified sampling of spherical
 // triangles". The solid angle is that of Van Oosterom and Strackee 1983. All angles are taken in double precision,
-// which holds the relative error of direction and density below 1e-6 in the range used: below 3e-4 sr a triangle is so
-// small that area sampling is as good unless it is seen edge-on, above 6.22 sr (almost a half space) the formula
-// degenerates.
+// which holds the relative error of direction and density below 1e-6 in the range used: above 6.22 sr (almost a half
+// space) the formula degenerates.
+//
+// By area where the triangle is far or tiny, at a quarter of the cost. What a point sends to a reference goes with
+// h / d^3, where h is the reference's height above the triangle's plane and the same for all points: so the estimate
+// varies with the distance d alone, however flat the view. From 3.5 radii on (farthest vertex to centroid) its relative
+// variance is at most 0.09, seen from the side, and 0.001 from the front.
 #include "dapple/sampling/warps.h"
 #include "dapple/shapes/mesh.h"
 #include "dapple/shapes/packed.h"
@@ -13,6 +17,7 @@ namespace {
 
 constexpr double min_solid_angle = 3e-4;
 constexpr double max_solid_angle = 6.22;
+constexpr float far_radii = 3.5f;
 
 // The angle of the point (x, y), y >= 0, seen from the origin: std::atan2 without its branches. The polynomial is
 // through arctan t / t at the Chebyshev nodes of t^2 in [0, 1]: within 7e-08 of it before rounding.
@@ -106,20 +111,64 @@ SurfacePoint triangle_primitive_surface_point(const Primitive& primitive, const 
     return point;
 }
 
-ShapeSample triangle_sample_area(const Primitive& primitive, const Vec2& u)
+void prepare_triangle(SampledShape& shape)
 {
-    const Vec3 b = sample_triangle(u);
-    ShapeSample sample =
-        to_sample(triangle_primitive_surface_point(primitive, Vec2(b.y, b.z), 0.0f, SurfaceDetail::no_tangents));
+    const Primitive& primitive = shape.primitive;
+    const Vec3(&p)[4] = primitive.p;
+    shape.center = (p[0] + p[1] + p[2]) * (1.0f / 3.0f);
+    float radius2 = 0.0f;
+    for (int i = 0; i < 3; ++i) radius2 = std::max(radius2, length_squared(p[i] - shape.center));
+    shape.far_distance2 = sqr(far_radii) * radius2;
     const double total = triangle_area(primitive);
-    sample.pdf = total > 0.0 ? static_cast<float>(1.0 / total) : 0.0f;
+    shape.density = total > 0.0 ? static_cast<float>(1.0 / total) : 0.0f;
+    const SurfacePoint any =
+        triangle_primitive_surface_point(primitive, Vec2(1.0f / 3.0f), 0.0f, SurfaceDetail::no_tangents);
+    shape.normal = any.n_geometric;
+    shape.error = any.error;
+    shape.one_sided = true;
+    for (int i = 0; i < 3 && primitive.has_normals; ++i)
+        shape.one_sided = shape.one_sided && dapple::dot(primitive.n[i], shape.normal) > 0.0f;
+}
+
+namespace {
+
+// The point with barycentric coordinates (b1, b2) of vertices 1 and 2.
+ShapeSample point_at(const SampledShape& shape, double b1, double b2)
+{
+    const Primitive& primitive = shape.primitive;
+    if (!shape.one_sided) {
+        const Vec2 barycentrics(static_cast<float>(b1), static_cast<float>(b2));
+        return to_sample(triangle_primitive_surface_point(primitive, barycentrics, 0.0f, SurfaceDetail::no_tangents));
+    }
+    const Double4 p0 = widen(pack(primitive.p[0]));
+    const Double4 e1 = widen(pack(primitive.p[1])) - p0;
+    const Double4 e2 = widen(pack(primitive.p[2])) - p0;
+    ShapeSample sample;
+    sample.position = narrow(p0 + e1 * b1 + e2 * b2);
+    sample.error = shape.error;
+    sample.normal = shape.normal;
+    const auto w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
+    const Vec2(&uv)[4] = primitive.uv;
+    sample.uv = primitive.has_uv ? uv[0] + (uv[1] - uv[0]) * w1 + (uv[2] - uv[0]) * w2 : Vec2(w1 + w2, w2);
     return sample;
 }
 
-bool find_spherical_triangle(const Primitive& primitive, const Vec3& reference, SphericalTriangle& triangle)
+}  // namespace
+
+ShapeSample triangle_sample_area(const SampledShape& shape, const Vec2& u)
 {
+    const Vec3 b = sample_triangle(u);
+    ShapeSample sample = point_at(shape, b.y, b.z);
+    sample.pdf = shape.density;
+    return sample;
+}
+
+bool find_spherical_triangle(const SampledShape& shape, const Vec3& reference, SphericalTriangle& triangle)
+{
+    if (shape.primitive.kind != Primitive::Kind::triangle) return false;
+    if (length_squared(reference - shape.center) > shape.far_distance2) return false;
     // Lane i: the direction to vertex i, by components; the fourth lane repeats the first.
-    const Vec3(&p)[4] = primitive.p;
+    const Vec3(&p)[4] = shape.primitive.p;
     Double4 x = widen(Float4{p[0].x, p[1].x, p[2].x, p[0].x}) - static_cast<double>(reference.x);
     Double4 y = widen(Float4{p[0].y, p[1].y, p[2].y, p[0].y}) - static_cast<double>(reference.y);
     Double4 z = widen(Float4{p[0].z, p[1].z, p[2].z, p[0].z}) - static_cast<double>(reference.z);
@@ -151,7 +200,7 @@ bool find_spherical_triangle(const Primitive& primitive, const Vec3& reference, 
     return triangle.solid_angle >= min_solid_angle && triangle.solid_angle <= max_solid_angle;
 }
 
-bool triangle_sample_solid_angle(const Primitive& primitive, const SphericalTriangle& triangle, const Vec2& u,
+bool triangle_sample_solid_angle(const SampledShape& shape, const SphericalTriangle& triangle, const Vec2& u,
                                  ShapeSample& sample)
 {
     // The direction is a sum of the vertices' directions; so is its point on the triangle, of the vertices themselves.
@@ -162,8 +211,7 @@ bool triangle_sample_solid_angle(const Primitive& primitive, const SphericalTria
     const double sum = w0 + w1 + w2;
     if (!(sum > 0.0)) return false;
     const double scale = 1.0 / sum;
-    const Vec2 barycentrics(static_cast<float>(w1 * scale), static_cast<float>(w2 * scale));
-    sample = to_sample(triangle_primitive_surface_point(primitive, barycentrics, 0.0f, SurfaceDetail::no_tangents));
+    sample = point_at(shape, w1 * scale, w2 * scale);
     sample.pdf = static_cast<float>(1.0 / triangle.solid_angle);
     return true;
 }

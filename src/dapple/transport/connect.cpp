@@ -57,10 +57,9 @@ Transmittance between(const World& world, const Vertex& from, const Vec3& to, co
 bool connect_to_light(const World& world, const Carried& carried, const Vertex& vertex, RandomStream& random,
                       LightConnection& connection)
 {
-    const float u_light = random.next();
-    const Vec2 u = random.next_2d();
     if (world.lights.list.empty()) return false;
-    const LightId id(world.light_choice.sample(u_light));
+    Vec2 u = random.next_2d();
+    const LightId id = world.choose_light(random, u.x);
     DirectSample& sample = connection.sample;
     if (!sample_direct(world.lights, world.spectra, id, vertex.at.position, vertex.at.time, u,
                        carried.start.wavelengths, sample))

@@ -20,10 +20,10 @@ bool lost_on_the_way(const World& world, const Light& light, const Wavelengths& 
 bool emit(const World& world, const PathStart& start, RandomStream& random, Walk& walk, Departure& departure)
 {
     if (world.lights.list.empty()) return false;
-    departure.light = LightId(world.light_choice.sample(random.next()));
+    Vec2 u_position = random.next_2d();
+    departure.light = world.choose_light(random, u_position.x);
     departure.probability = world.light_probability(departure.light);
     EmissionSample& sample = departure.sample;
-    const Vec2 u_position = random.next_2d();
     const Vec2 u_direction = random.next_2d();
     if (!sample_emission(world.lights, world.spectra, departure.light, u_position, u_direction, start.time,
                          start.wavelengths, sample))

@@ -14,6 +14,7 @@ struct Job {
     Transform transform;  // into world space or the group's space
     bool may_emit;
     Mesh mesh;                          // triangles, if any
+    bool mesh_flip = false;             // whether their outside is against their winding
     std::vector<Primitive> primitives;  // quadrics and patches, if any
 };
 
@@ -37,6 +38,36 @@ Mesh bake_mesh(const Job& job, const scene::MeshData& data)
     mesh.indices = data.triangles;
     mesh.positions.push_back(Vec3(0));  // padding, see Mesh
     return mesh;
+}
+
+// Shading normals that say no more than the triangles themselves cost time at every hit: they are left out. They may
+// have turned the outside over.
+void drop_flat_normals(Mesh& mesh, bool& flip)
+{
+    constexpr float rounding = 1e-5f;
+    bool turned = false, first = true;
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const uint32_t* v = &mesh.indices[i];
+        const Imath::V3d p0(mesh.positions[v[0]]);
+        const Imath::V3d winding = (Imath::V3d(mesh.positions[v[1]]) - p0).cross(Imath::V3d(mesh.positions[v[2]]) - p0);
+        const double size = winding.length();
+        if (!(size > 0.0)) continue;
+        const Vec3 unit(winding / size);
+        if (first) turned = dot(unit, mesh.normals[v[0]]) < 0.0f;
+        first = false;
+        for (int corner = 0; corner < 3; ++corner)
+            if (!(length(mesh.normals[v[corner]] - (turned ? -unit : unit)) < rounding)) return;
+    }
+    if (first) return;
+    mesh.normals.clear();
+    flip = turned;
+}
+
+void bake_triangles(Job& job, const scene::MeshData& data)
+{
+    job.mesh = bake_mesh(job, data);
+    job.mesh_flip = flipped(job);
+    if (!job.mesh.normals.empty()) drop_flat_normals(job.mesh, job.mesh_flip);
 }
 
 std::vector<Primitive> bake_patches(const Job& job, const scene::MeshData& data)
@@ -91,12 +122,12 @@ void bake(Job& job)
         p.z_max = std::max(cylinder->z_min, cylinder->z_max);
         job.primitives = {p};
     } else if (const auto* mesh = std::get_if<scene::Mesh>(&geometry)) {
-        if (!mesh->data->triangles.empty()) job.mesh = bake_mesh(job, *mesh->data);
+        if (!mesh->data->triangles.empty()) bake_triangles(job, *mesh->data);
         job.primitives = bake_patches(job, *mesh->data);
     } else if (const auto* loop = std::get_if<scene::LoopSubdivision>(&geometry)) {
         const SubdividedMesh fine =
             loop_subdivide(loop->data->positions, loop->data->triangles, loop->levels, job.shape->at);
-        job.mesh = bake_mesh(job, scene::MeshData{fine.positions, fine.normals, {}, fine.indices, {}, {}});
+        bake_triangles(job, scene::MeshData{fine.positions, fine.normals, {}, fine.indices, {}, {}});
     }
 }
 
@@ -107,7 +138,7 @@ std::vector<Primitive> triangles_of(const Job& job)
     for (size_t i = 0; i < out.size(); ++i) {
         Primitive& triangle = out[i];
         triangle.kind = Primitive::Kind::triangle;
-        triangle.flip = flipped(job);
+        triangle.flip = job.mesh_flip;
         triangle.has_normals = !job.mesh.normals.empty();
         triangle.has_uv = !job.mesh.uvs.empty();
         for (int corner = 0; corner < 3; ++corner) {
@@ -133,7 +164,7 @@ void append(CompileContext& context, Job& job)
     const scene::Shape& shape = *job.shape;
     Geometry base;
     base.material = MaterialId(shape.material.value);
-    base.detail = uses_tangents(world.materials, base.material) ? SurfaceDetail::tangents : SurfaceDetail::no_tangents;
+    base.detail = needed_detail(world.materials, base.material);
     base.has_medium = shape.medium_interface && shape.inside != shape.outside;  // as in pbrt, else no boundary
     base.interior = medium_id(shape.inside);
     base.exterior = medium_id(shape.outside);
@@ -142,6 +173,9 @@ void append(CompileContext& context, Job& job)
     world.names.push_back(shape.name + (shape.at.file.empty() ? "" : " at " + shape.at.to_string()));
     const bool invisible = !shape.alpha.textured() && shape.alpha.value <= 0.0f;
     if (shape.alpha.textured() || shape.alpha.value < 1.0f) base.alpha = float_texture(context, shape.alpha);
+    const bool has_image =
+        shape.area_light.valid() && !context.description.area_lights[shape.area_light.value].file.empty();
+    if (base.alpha.valid() || has_image) base.detail = std::max(base.detail, SurfaceDetail::no_tangents);
     const bool is_interface = world.materials.list[base.material.value].kind == Material::Kind::interface;
     if (is_interface && job.may_emit) warn_no_emission(shape, "its material is an interface, which has no surface");
     const bool emits = shape.area_light.valid() && job.may_emit && !is_interface;
@@ -153,6 +187,7 @@ void append(CompileContext& context, Job& job)
     if (!job.mesh.indices.empty()) {
         Geometry geometry = base;
         geometry.mesh = static_cast<uint32_t>(world.meshes.size());
+        geometry.flip = job.mesh_flip;
         const std::vector<Primitive> emitters = emits ? triangles_of(job) : std::vector<Primitive>();
         world.meshes.push_back(std::move(job.mesh));
         add(geometry, emitters);
@@ -181,7 +216,8 @@ void compile_shapes(CompileContext& context)
         if (over_shutter(shape.world_from_object, context.camera).moves())
             moving.push_back(&shape);
         else
-            jobs.push_back({&shape, over_shutter(shape.world_from_object, context.camera).start(), true, {}, {}});
+            jobs.push_back(
+                {&shape, over_shutter(shape.world_from_object, context.camera).start(), true, {}, false, {}});
     }
     std::vector<size_t> group_ends;
     const size_t static_count = jobs.size();
@@ -191,13 +227,13 @@ void compile_shapes(CompileContext& context)
             if (shape.world_from_object.moves())
                 log_warning("{}: motion of {} inside an object is ignored; move the instance instead",
                             shape.at.to_string(), shape.name);
-            jobs.push_back({&shape, Transform(shape.world_from_object.start), false, {}, {}});
+            jobs.push_back({&shape, Transform(shape.world_from_object.start), false, {}, false, {}});
         }
         group_ends.push_back(jobs.size());
     }
     for (const scene::Shape* shape : moving) {
         warn_no_emission(*shape, "the shape moves");
-        jobs.push_back({shape, Transform(), false, {}, {}});
+        jobs.push_back({shape, Transform(), false, {}, false, {}});
         group_ends.push_back(jobs.size());
     }
 

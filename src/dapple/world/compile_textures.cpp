@@ -141,9 +141,10 @@ FloatTextureId float_texture(CompileContext& context, const scene::FloatInput& i
 {
     if (input.textured()) return context.float_ids[input.texture.value];
     auto& nodes = context.world.materials.textures.floats;
-    TextureNode node;
-    node.value[0] = input.value;
-    nodes.push_back(node);
+    // The two roughnesses of an isotropic lobe come one after the other, and should be known as one.
+    const bool again =
+        !nodes.empty() && nodes.back().kind == TextureNode::Kind::constant && nodes.back().value[0] == input.value;
+    if (!again) nodes.emplace_back().value[0] = input.value;
     return FloatTextureId(nodes.size() - 1);
 }
 

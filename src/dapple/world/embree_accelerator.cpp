@@ -92,8 +92,8 @@ void primitive_intersect(const RTCIntersectFunctionNArguments* args)
     const auto* set = static_cast<const PrimitiveSet*>(args->geometryUserPtr);
     auto* ray_hit = reinterpret_cast<RTCRayHit*>(args->rayhit);
     PrimitiveHit hit;
-    if (!intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(ray_hit->ray),
-                   ray_hit->ray.tnear, ray_hit->ray.tfar, hit))
+    if (!meet(primitive_of(*set->world, *set->geometry, args->primID), from_embree(ray_hit->ray), ray_hit->ray.tnear,
+              ray_hit->ray.tfar, hit))
         return;
     ray_hit->ray.tfar = hit.t;
     ray_hit->hit.u = hit.uv.x;
@@ -109,8 +109,7 @@ void primitive_occluded(const RTCOccludedFunctionNArguments* args)
     const auto* set = static_cast<const PrimitiveSet*>(args->geometryUserPtr);
     auto* ray = reinterpret_cast<RTCRay*>(args->ray);
     PrimitiveHit hit;
-    if (intersect(primitive_of(*set->world, *set->geometry, args->primID), from_embree(*ray), ray->tnear, ray->tfar,
-                  hit))
+    if (meet(primitive_of(*set->world, *set->geometry, args->primID), from_embree(*ray), ray->tnear, ray->tfar, hit))
         ray->tfar = -infinity;
 }
 

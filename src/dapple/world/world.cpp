@@ -108,19 +108,23 @@ void World::surface_point(const Ray& ray, const Hit& hit, SurfacePoint& at) cons
         const Primitive& primitive = primitives[geometry.first_primitive + hit.primitive];
         const PrimitiveHit primitive_hit{hit.t, hit.uv};
         if (!placed) {
-            at = dapple::surface_point(primitive, ray, primitive_hit);
+            at = dapple::surface_point(primitive, ray, primitive_hit, geometry.detail);
             return;
         }
         const Transform place = instances[hit.instance].world_from_group.at(ray.time);
-        at = dapple::surface_point(placed_primitive(primitive, place), ray, primitive_hit);
+        at = dapple::surface_point(placed_primitive(primitive, place), ray, primitive_hit, geometry.detail);
         return;
     }
     const Mesh& mesh = meshes[geometry.mesh];
     const uint32_t* index = &mesh.indices[size_t(hit.primitive) * 3];
+    if (!placed && geometry.detail == SurfaceDetail::bare && mesh.normals.empty()) {
+        bare_surface_point(mesh.positions.data(), index, geometry.flip, hit.uv, ray.time, at);
+        return;
+    }
     TriangleCorners corners;
     corners.flip = geometry.flip;
     corners.has_normals = !mesh.normals.empty();
-    corners.has_uv = !mesh.uvs.empty();
+    corners.has_uv = !mesh.uvs.empty() && geometry.detail != SurfaceDetail::bare;
     corners.has_tangents = !mesh.tangents.empty() && geometry.detail == SurfaceDetail::tangents;
     for (int corner = 0; corner < 3; ++corner) {
         corners.p[corner] = mesh.positions.data() + index[corner];

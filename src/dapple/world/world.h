@@ -7,6 +7,7 @@
 #include "dapple/materials/material.h"
 #include "dapple/media/medium.h"
 #include "dapple/sampling/piecewise.h"
+#include "dapple/sampling/random_stream.h"
 #include "dapple/shapes/primitive.h"
 #include "dapple/spectrum/spectrum_value.h"
 
@@ -75,14 +76,14 @@ public:
     bool intersect(const Ray& ray, float t_max, Hit& hit) const;
     // Whether any surface (interfaces included) is met at t in (0, t_max).
     bool occluded(const Ray& ray, float t_max) const;
-    // Differential geometry at a hit of `ray`; tangents where the geometry's material looks at them.
+    // Differential geometry at a hit of `ray`; uv and tangents where the geometry's material looks at them.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const
     {
         SurfacePoint at;
         surface_point(ray, hit, at);
         return at;
     }
-    // The same in place; without tangents those of `at` keep what they held.
+    // The same in place; what is left out keeps what it held.
     void surface_point(const Ray& ray, const Hit& hit, SurfacePoint& at) const;
 
     // The area light at a hit, or an invalid id.
@@ -107,6 +108,15 @@ public:
 
     // Probability of a light under power-weighted selection (light_choice).
     float light_probability(LightId light) const { return light_choice.probability(light.value); }
+    // A light chosen so. Where there are few, by u, which is as good as new afterwards: the points on them share its
+    // even spread; where there are many, too few of its bits would be left, and a number is drawn.
+    LightId choose_light(RandomStream& random, float& u) const
+    {
+        constexpr size_t few = 64;
+        if (light_choice.size() > few) return LightId(light_choice.sample(random.next()));
+        random.skip(1);
+        return LightId(light_choice.sample(u, &u));
+    }
 
     SpectrumPool spectra;
     Materials materials;

@@ -86,10 +86,10 @@ TEST(Integrators, GatherWhatACoatMirrors)
     wall(1.0f, white);
     scene.light(scene::InfiniteLight{scene::SpectrumSource(scene::Constant{1.0f}), {}, {}, {}});
     const auto world = scene.world();
-    const double path = mean_of_render(*world, "path", {}, 400);
+    const double path = mean_of_render(*world, "path", {}, 6000);
     const Definitions few = {{"photons", "20000"}, {"epoch", "4"}};
     for (const char* name : {"photonmap", "irradiancecache"})
-        EXPECT_NEAR(mean_of_render(*world, name, few, 64) / path, 1.0, 0.01) << name;
+        EXPECT_NEAR(mean_of_render(*world, name, few, 256) / path, 1.0, 0.01) << name;
 }
 
 // Irradiance made beforehand lies where photons are: on the bright side of a thin wall, when its dim side is asked for.

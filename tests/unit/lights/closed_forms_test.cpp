@@ -76,11 +76,13 @@ TEST(ClosedForms, SquareOverItsCornerAndCentre)
     const LightId first = scene.add(light, 1.0f);
     light.shape = triangle(a, d, c);
     const LightId second = scene.add(light, 1.0f);
-    light.shape.kind = Primitive::Kind::bilinear;
-    light.shape.p[0] = a;
-    light.shape.p[1] = d;
-    light.shape.p[2] = b;
-    light.shape.p[3] = c;
+    Primitive square;
+    square.kind = Primitive::Kind::bilinear;
+    square.p[0] = a;
+    square.p[1] = d;
+    square.p[2] = b;
+    square.p[3] = c;
+    light.shape = square;
     const LightId patch = scene.add(light, 1.0f);
     for (const auto& [p, factor] :
          {std::pair(Vec3(0.5f, 0.5f, 0), 0.2394564705), std::pair(Vec3(0.0f), 0.1385316060)}) {

@@ -222,12 +222,12 @@ TEST_F(MaterialTest, KnowsWhoLooksAtTangents)
     mix.mix[0] = MaterialId(0);
     mix.mix[1] = MaterialId(1);
     materials.list = {plain, mix};
-    EXPECT_FALSE(uses_tangents(materials, MaterialId(0)));
-    EXPECT_FALSE(uses_tangents(materials, MaterialId(1)));
+    EXPECT_EQ(needed_detail(materials, MaterialId(0)), SurfaceDetail::bare);
+    EXPECT_EQ(needed_detail(materials, MaterialId(1)), SurfaceDetail::bare);
     materials.list[1].mix[1] = MaterialId(2);
     materials.list.push_back(brushed);
-    EXPECT_FALSE(uses_tangents(materials, MaterialId(0)));
-    EXPECT_TRUE(uses_tangents(materials, MaterialId(1)));
+    EXPECT_EQ(needed_detail(materials, MaterialId(0)), SurfaceDetail::bare);
+    EXPECT_EQ(needed_detail(materials, MaterialId(1)), SurfaceDetail::tangents);
 }
 
 }  // namespace
