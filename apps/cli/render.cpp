@@ -291,7 +291,7 @@ int render(const RenderOptions& options, const RenderStart& start)
         film_settings(description, *world, layers, choice.entry->photon_layers, options.color_model);
     settings.first_pass = options.first_pass;
     const uint64_t record = options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings);
-    check_memory(options.memory, memory_account(compiled, settings, *choice.entry, record), choice);
+    check_memory(options.memory, memory_account(compiled, settings, *choice.entry, record, limit.any()), choice);
     const WriteTime writing = limit.any() ? time_to_write(outputs, settings, options.half) : WriteTime();
     const std::vector<std::string> lowered =
         lower_efforts(limit, start, choice, *world, settings, seed_of(options, description), writing);

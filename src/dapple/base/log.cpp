@@ -3,6 +3,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace dapple {
@@ -40,6 +41,7 @@ void log_message(LogLevel level, const std::string& message)
 {
     if (level == LogLevel::warning) {
         const std::lock_guard lock(warnings_mutex);
+        if (std::find(warnings.begin(), warnings.end(), message) != warnings.end()) return;
         warnings.push_back(message);
     }
     logger().log(to_spdlog(level), message);

@@ -12,6 +12,7 @@ namespace dapple {
 enum class LogLevel { debug, info, warning, silent };
 
 void set_log_level(LogLevel level);
+// A warning that was logged before is not repeated.
 void log_message(LogLevel level, const std::string& message);
 
 template <class... Args>

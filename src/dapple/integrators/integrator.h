@@ -99,6 +99,7 @@ struct IntegratorEntry {
     bool photon_layers = false;  // fills photon density and radius
     std::unique_ptr<Integrator> (*create)(const World& world, const Settings& settings);
     uint64_t bytes_per_pixel = 0;  // what a pass keeps for each pixel besides the film
+    bool second_film = false;      // under a time limit a pass keeps its light in a film of its own
 };
 
 std::span<const IntegratorEntry> integrator_registry();

@@ -120,7 +120,7 @@ LightSubpaths::LightSubpaths(const PassContext& context, ColorModel model, Int2 
         chunks_[static_cast<size_t>(begin / chunk_paths)] = std::move(traced);
     });
     context.statistics.light_paths += static_cast<uint64_t>(plan_.paths);
-    context.statistics.photons_stored += stored.load();
+    if (plan_.merging) context.statistics.photons_stored += stored.load();
     if (plan_.merging && !context.cancelled()) build_maps();
 }
 

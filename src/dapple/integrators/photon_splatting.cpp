@@ -273,6 +273,6 @@ extern const IntegratorEntry photon_splatting_entry{
     "photon splatting: photons added to stored visible points, as sppm with memory independent of the photons",
     settings_table, false, true, create,
     // A visible point or little more, in a list with room to grow, and the index.
-    2 * sizeof(VisiblePoint) + 40};
+    2 * sizeof(VisiblePoint) + 40, true};
 
 }  // namespace dapple

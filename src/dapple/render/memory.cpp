@@ -27,7 +27,7 @@ uint64_t film_bytes(const FilmSettings& settings)
 }
 
 MemoryAccount memory_account(const CompileReport& report, const FilmSettings& settings, const IntegratorEntry& entry,
-                             uint64_t techniques)
+                             uint64_t techniques, bool time_limit)
 {
     MemoryAccount account;
     account.geometry = report.geometry_bytes;
@@ -35,6 +35,7 @@ MemoryAccount memory_account(const CompileReport& report, const FilmSettings& se
     account.textures = report.texture_bytes;
     account.media = report.medium_bytes;
     account.film = film_bytes(settings) / 4 * 5;
+    if (time_limit && entry.second_film) account.film += film_bytes(settings);
     account.points = pixel_count(settings) * entry.bytes_per_pixel;
     account.techniques = techniques;
     return account;

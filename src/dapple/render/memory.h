@@ -23,7 +23,7 @@ uint64_t film_bytes(const FilmSettings& settings);
 struct MemoryAccount {
     uint64_t program = program_bytes;
     uint64_t geometry = 0, accelerator = 0, textures = 0, media = 0;
-    uint64_t film = 0;        // with the copy of the image that is written, a quarter of the sums
+    uint64_t film = 0;        // with the copy of the image that is written, a quarter of the sums; all films of a pass
     uint64_t points = 0;      // what a pass keeps for each pixel
     uint64_t techniques = 0;  // TechniqueRecord::bytes
 
@@ -31,7 +31,7 @@ struct MemoryAccount {
     uint64_t total() const { return program + scene() + film + points + techniques; }
 };
 MemoryAccount memory_account(const CompileReport& report, const FilmSettings& settings, const IntegratorEntry& entry,
-                             uint64_t techniques = 0);
+                             uint64_t techniques = 0, bool time_limit = false);
 
 // Holds a render to a limit [bytes]; 0: none. Throws UserError, with the parts, if the account alone reaches it.
 // Otherwise what it leaves goes to the integrator's setting "memory" if it has one that is still "auto".

@@ -72,6 +72,15 @@ TEST_F(Memory, CountsWhatAPassKeepsForEachPixel)
     EXPECT_THROW(check(program_bytes + 100000), UserError);
 }
 
+TEST_F(Memory, CountsASecondFilmUnderATimeLimit)
+{
+    const uint64_t film = film_bytes(film_);
+    EXPECT_EQ(memory_account(report_, film_, entry_, 0, true).film, film / 4 * 5);
+    entry_.second_film = true;
+    EXPECT_EQ(memory_account(report_, film_, entry_, 0, true).film, film / 4 * 9);
+    EXPECT_EQ(memory_account(report_, film_, entry_).film, film / 4 * 5);
+}
+
 // 43 layers of three channels and a beauty in each of two films, 16 bytes each, and three quarters of one for writing.
 TEST_F(Memory, CountsTheRecordOfTechniques)
 {
