@@ -21,7 +21,7 @@ HIDDEN = {
     "oneapi/": {"base"},
     "OpenImageIO/": {"image"},
     "spdlog/": {"base"},
-    "zlib.h": {"formats"},
+    "zlib.h": {"formats", "image"},
     "CLI/": {"cli"},
 }
 

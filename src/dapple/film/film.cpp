@@ -193,16 +193,16 @@ void Film::add_light(const Film& other, double factor)
     const Sums& o = *other.sums_;
     DAPPLE_ASSERT(s.pixels() == o.pixels() && o.planes.size() == s.first_group + s.groups);
     for (size_t i = 0; i < o.planes.size(); ++i)
-        for (size_t j = 0; j < o.planes[i].size(); ++j) {
+        parallel_for(static_cast<int64_t>(o.planes[i].size()), 1 << 14, [&, i](int64_t j) {
             const Fixed128 sum = o.planes[i].data()[j];
-            if (sum == 0) continue;
+            if (sum == 0) return;
             if (factor == 1.0)
                 s.planes[i].data()[j] += sum;
             else if (const double scaled = from_fixed(sum) * factor; exact_sum_accepts(scaled))
                 s.planes[i].data()[j] += to_fixed(scaled);
             else
                 ++accidents_.splat;
-        }
+        });
     accidents_.splat += other.accidents_.splat;
 }
 
@@ -300,31 +300,30 @@ Image Film::layers(std::vector<std::string>& channel_names) const
 
 Image Film::sample_rows(int rows) const
 {
-    constexpr int block = 16;
+    constexpr int near = 16;
     const Sums& s = *sums_;
-    const int height = s.crop_size.y, blocks = std::max(std::min(rows, height) / block, 1);
+    const int height = s.crop_size.y;
     int channels = s.radiance_planes == 1 ? 0 : 3;
     for (const Plane& plane : s.planes) channels += plane.channels();
-    Image image(s.crop_size.x, std::min(blocks * block, height), channels);
+    Image image(s.crop_size.x, std::min(rows, height), channels);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             float* out = &image.pixels[(size_t(y) * image.width + x) * static_cast<size_t>(channels)];
-            const int row = (y / block) * (height / blocks) + y % block;
-            const Int2 pixel = s.crop_min + Int2(x, std::min(row, height - 1));
-            const size_t index = s.index(pixel);
-            const std::lock_guard lock(s.lock_of_tile(s.tile_of(pixel)));
-            if (passes_ == 0 && reached_[index] == 0) {  // shows a neighbour
-                if (y % block > 0 && y % 4 > 0)
-                    std::copy_n(out - size_t(image.width) * channels, channels, out);
-                else if (x > 0)
-                    std::copy_n(out - channels, channels, out);
-                continue;
+            int row = (2 * y + 1) * height / (2 * image.height);
+            const int end = std::min(row + near, height);
+            for (; row < end; ++row) {
+                const Int2 pixel = s.crop_min + Int2(x, row);
+                const size_t index = s.index(pixel);
+                const std::lock_guard lock(s.lock_of_tile(s.tile_of(pixel)));
+                if (passes_ == 0 && reached_[index] == 0) continue;  // shows a neighbour
+                if (s.radiance_planes > 1)
+                    for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(index, c)));
+                for (const Plane& plane : s.planes)
+                    for (int c = 0; c < plane.channels(); ++c)
+                        *out++ = static_cast<float>(from_fixed(plane.pixel(index)[c]));
+                break;
             }
-            if (s.radiance_planes > 1)
-                for (int c = 0; c < 3; ++c) *out++ = static_cast<float>(from_fixed(s.beauty(index, c)));
-            for (const Plane& plane : s.planes)
-                for (int c = 0; c < plane.channels(); ++c)
-                    *out++ = static_cast<float>(from_fixed(plane.pixel(index)[c]));
+            if (row == end && x > 0) std::copy_n(out - channels, channels, out);
         }
     return image;
 }

@@ -149,8 +149,8 @@ public:
     // layers.md.
     Image layers(std::vector<std::string>& channel_names) const;
 
-    // Some blocks of 16 rows of layers(), together at most `rows`, about as they would be shown now: to see how well
-    // they compress. May be called while a pass adds to the film, but not while one ends.
+    // So many rows from all over layers(), about as they would be shown now: to see how well they compress. May be
+    // called while a pass adds to the film, but not while one ends.
     Image sample_rows(int rows) const;
 
     // How far the image is off; nothing is known (no batches) without FilmSettings::error_layer. Cost: as beauty().

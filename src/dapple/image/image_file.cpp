@@ -176,7 +176,7 @@ OIIO::ImageSpec output_spec(const Image& image, const std::vector<std::string>& 
     OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
     if (format == "exr") {
         spec.channelnames = names;
-        spec.attribute("compression", "zip");
+        spec.attribute("compression", "zip:1");
         spec.x = options.data_origin.x;
         spec.y = options.data_origin.y;
         if (options.full_size.x > 0 && options.full_size.y > 0) {

@@ -97,11 +97,13 @@ public:
             });
     }
 
+    // From several threads at once.
     template <class Visit>
     void for_each(const Visit& visit) const
     {
-        for (const Row& row : rows_)
-            for (const VisiblePoint& point : row.points) visit(point);
+        parallel_for(static_cast<int64_t>(rows_.size()), 4, [&](int64_t row) {
+            for (const VisiblePoint& point : rows_[static_cast<size_t>(row)].points) visit(point);
+        });
     }
 
 private:
@@ -249,9 +251,9 @@ private:
     // Fills the layer of photon density, which is known only now.
     static void note_density(Film& film, const VisiblePoints& points, float per_photon)
     {
-        PixelSample sums(0);
         points.for_each([&](const VisiblePoint& point) {
             if (!point.first || point.photons == 0) return;
+            PixelSample sums(0);
             sums.photon_density = per_photon * static_cast<float>(point.photons) * inv_pi / sqr(point.radius);
             film.add_pixel(point.pixel, sums, 1);
         });

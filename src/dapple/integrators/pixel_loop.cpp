@@ -17,6 +17,13 @@ Vec3 normal_in_camera_space(const Camera& camera, const Vec3& n, float time)
 
 }  // namespace
 
+uint64_t pixels_of_first_round(const FilmSettings& settings)
+{
+    const Int2 size = settings.crop_max - settings.crop_min;
+    const auto blocks = [](int extent) { return (extent + PassContext::block - 1) / PassContext::block; };
+    return uint64_t(blocks(size.x)) * uint64_t(blocks(size.y));
+}
+
 void GuideRecorder::see(const Vertex& vertex)
 {
     if (has_color_ || !vertex.on_surface) return;

@@ -30,6 +30,9 @@ inline Wavelengths choose_wavelengths(ColorModel model, float u)
     return Wavelengths::sample_visible(model == ColorModel::fixed_spectral ? 0.5f : u);
 }
 
+// With PassContext::coarse_to_fine: the least of a first pass that makes a picture.
+uint64_t pixels_of_first_round(const FilmSettings& settings);
+
 // One eye sample of a pixel: everything that its contributions need on their way to the film.
 struct EyeSample {
     Int2 pixel;

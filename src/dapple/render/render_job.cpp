@@ -1,6 +1,7 @@
 // Passes, one after the other, with a second thread that watches the clock and the user.
 #include "dapple/render/render_job.h"
 
+#include "dapple/integrators/pixel_loop.h"
 #include "dapple/render/memory.h"
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ namespace dapple {
 namespace {
 
 constexpr double copy_share = 0.02;  // largest part of the render time spent on copies of the image
+constexpr double look_share = 0.1;   // largest part of a thread's time spent on looking at the picture
 constexpr std::chrono::milliseconds tick{50};
 constexpr int ticks_per_update = 4;
 
@@ -28,6 +30,8 @@ public:
           requests_(requests),
           progress_(progress),
           writing_(job.writing.expected()),
+          // Adding a film to another reads two, and makes no image.
+          adding_(job.integrator.light_comes_last() ? 2 * job.writing.layers : 0.0),
           may_cut_(!job.keep_film_whole && !job.film.settings().error_layer),
           eyes_alone_(job.integrator.adds_eye_samples_alone()),
           first_round_(pixels_of_first_round(job.film.settings())),
@@ -63,30 +67,21 @@ private:
         return job_.before.seconds + std::chrono::duration<double>(Clock::now() - start_).count();
     }
 
-    // For the passes.
-    StopRule stop() const { return job_.stop.leaving(writing_.load()); }
+    StopRule stop() const { return job_.stop.leaving(writing_.load() + adding_); }  // for the passes
 
-    // That is the least of the first pass that makes a picture.
-    static uint64_t pixels_of_first_round(const FilmSettings& settings)
-    {
-        const Int2 size = settings.crop_max - settings.crop_min;
-        const auto blocks = [](int extent) { return (extent + PassContext::block - 1) / PassContext::block; };
-        return uint64_t(blocks(size.x)) * uint64_t(blocks(size.y));
-    }
-
-    uint32_t next_pass() const { return job_.film.settings().first_pass + done(); }
+    uint32_t next_pass() const { return job_.film.settings().first_pass + done_; }
 
     void run_passes()
     {
-        if (done() > 0) estimate_error();
-        while (!error_reached_ && stop().another(done(), elapsed(), may_cut_ ? 0.0 : times_.expected())) {
-            if (done() > 0 && requests_.count() > 0) break;
+        if (done_ > 0) estimate_error();
+        while (!error_reached_ && stop().another(done_, elapsed(), may_cut_ ? 0.0 : times_.expected())) {
+            if (done_ > 0 && requests_.count() > 0) break;
             copy_if_due();
             begin_pass();
             try {
                 job_.integrator.render_pass(context_of_pass(), job_.film);
             } catch (const std::exception& error) {
-                if (done() == 0) throw;
+                if (done_ == 0) throw;
                 result_.failed = true;
                 result_.reason = std::string("stopped by an error in a pass: ") + error.what();
                 // Pixels may lack the light that was to come after their eye paths.
@@ -106,7 +101,7 @@ private:
     PassContext context_of_pass()
     {
         PassContext context{job_.world, job_.seed, next_pass(), statistics_, &cancel_};
-        context.coarse_to_fine = done() == 0 && shows_part();
+        context.coarse_to_fine = done_ == 0 && shows_part();
         if (may_cut_ && may_give_up_ && stop().seconds > 0) context.half_time = &half_time_;
         return context;
     }
@@ -117,26 +112,26 @@ private:
     // to 5 % longer: only under a time limit.
     bool shows_part() const
     {
-        return may_cut_ && (eyes_alone_ || (done() > 0 ? copied_passes_ == done() : stop().seconds > 0));
+        return may_cut_ && (eyes_alone_ || (done_ > 0 ? copied_passes_ == done_ : stop().seconds > 0));
     }
 
     // Where the stop rule asks for an error and it is due. Whether it is depends on the pass alone, so a render that
     // was interrupted ends at the same pass.
     void estimate_error()
     {
-        if (!stop().error_due(next_pass(), done(), job_.film.settings().correlated_passes)) return;
+        if (!stop().error_due(next_pass(), done_, job_.film.settings().correlated_passes)) return;
         const ErrorEstimate error = job_.film.error();
         error_reached_ = error.total() <= stop().error;
         const std::lock_guard lock(mutex_);
         error_ = error.total();
-        passes_at_error_ = done();
+        passes_at_error_ = done_;
     }
 
     std::string why_ended()
     {
         if (error_reached_) return fmt::format("the estimated error is {:.3g} %", 100 * error_);
         if (requests_.count() > 0) return "stopped by request";
-        if (stop().passes > 0 && done() >= stop().passes) return "all passes done";
+        if (stop().passes > 0 && done_ >= stop().passes) return "all passes done";
         const double beyond = elapsed() + times_.expected() - stop().seconds;
         if (may_cut_ || elapsed() > 0.95 * stop().seconds) return "time is up";
         return fmt::format("time is up: the next pass would end {:.1f} s after the limit", beyond);
@@ -145,12 +140,12 @@ private:
     // Copies the image of the completed passes where the running pass may be given up, or where it costs little.
     void copy_if_due()
     {
-        if ((may_cut_ && eyes_alone_) || done() == 0 || copied_passes_ == done()) return;
+        if ((may_cut_ && eyes_alone_) || done_ == 0 || copied_passes_ == done_) return;
         const double now = elapsed();
         const bool may_be_given_up = !job_.keep_film_whole && stop().last_by_time(now, times_.expected());
         if (!may_be_given_up && now - last_copy_ < copy_cost_ / copy_share) return;
         copy_ = job_.film.layers(copy_channels_);
-        copied_passes_ = done();
+        copied_passes_ = done_;
         last_copy_ = elapsed();
         copy_cost_ = last_copy_ - now;
     }
@@ -160,7 +155,7 @@ private:
         const std::lock_guard lock(mutex_);
         pass_start_ = elapsed();
         half_time_.store(cancel_.load());
-        may_give_up_ = !job_.keep_film_whole && (shows_part() || (done() > 0 && copied_passes_ == done()));
+        may_give_up_ = !job_.keep_film_whole && (shows_part() || (done_ > 0 && copied_passes_ == done_));
     }
 
     void end_pass()
@@ -182,19 +177,26 @@ private:
                                     : tick;
     }
 
-    // Looks at the picture when it is nearly done, to see how long writing will take; with the mutex held. Where that
-    // does not matter, or the light comes after eye paths, what was expected stays.
+    // Looks at the picture when it is nearly done, to see how long writing will take. Where that does not matter, or
+    // the light comes after eye paths, what was expected stays.
     void look_at_picture()
     {
-        constexpr int rows = 32;
-        const double limit = job_.stop.seconds, noise = job_.writing.noise;
-        if (job_.integrator.light_comes_last() || noise < 0.01 * limit || elapsed() < limit - 1.5 * noise) return;
-        writing_ = job_.writing.seconds(detail_of(job_.film.sample_rows(rows)));
+        constexpr int rows = 16;
+        const double limit = job_.stop.seconds, noise = job_.writing.noise, now = elapsed();
+        if (job_.integrator.light_comes_last() || noise < 0.01 * limit || now < limit - 1.5 * noise) return;
+        if (now < next_look_) return;
+        std::unique_lock lock(mutex_);
+        const Image sample = job_.film.sample_rows(rows);
+        lock.unlock();
+        writing_ = job_.writing.seconds(sample);
+        fprintf(stderr, "DBG look %.3f at %.3f took %.3f\n", writing_.load(), now, elapsed() - now);
+        next_look_ = elapsed() + (elapsed() - now) / look_share;
     }
 
-    // Ends what must end for time; with the mutex held.
+    // Ends what must end for time.
     void look_at_clock()
     {
+        const std::lock_guard lock(mutex_);
         const bool shows_all = done_ > 0 || statistics_.eye_paths.load() >= first_round_;
         if (!may_give_up_ || !shows_all) return;
         const double now = elapsed();
@@ -217,11 +219,8 @@ private:
                 announced = true;
             }
             if (asked > 1) cancel(Cause::user);
-            {
-                const std::lock_guard lock(mutex_);
-                if (ticks % ticks_per_update == 0 && job_.stop.seconds > 0) look_at_picture();
-                look_at_clock();
-            }
+            if (ticks % ticks_per_update == 0 && job_.stop.seconds > 0) look_at_picture();
+            look_at_clock();
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
     }
@@ -294,20 +293,20 @@ private:
         result_.film_whole = whole_;
         result_.by_request = requests_.count() > 0;
         if (whole_) {
-            if (done() == 1 && stop().overdue(result_.seconds))
+            if (done_ == 1 && stop().overdue(result_.seconds))
                 progress_.note("one pass of this scene takes longer than the time limit; it was finished");
             result_.image = job_.film.layers(result_.channels);
-            result_.passes = done();
+            result_.passes = done_;
             result_.error = job_.film.error();
         } else {
             if (!result_.failed) result_.reason = why_cut(cut_part);
-            if (shows_part() && (cut_part > 0 || (eyes_alone_ && done() > 0))) {
+            if (shows_part() && (cut_part > 0 || (eyes_alone_ && done_ > 0))) {
                 take_cut(cut_part);
             } else if (copied_passes_ > 0) {
                 result_.image = std::move(copy_);
                 result_.channels = std::move(copy_channels_);
                 result_.passes = copied_passes_;
-                result_.passes_lost = done() - copied_passes_;
+                result_.passes_lost = done_ - copied_passes_;
             } else {
                 take_incomplete();
             }
@@ -323,7 +322,7 @@ private:
         const char* why = cause_.load() == Cause::time ? "time is up" : "stopped at once by request";
         if (part > 0)
             return fmt::format("{}, with {:.0f} % of {}", why, std::floor(100 * part),
-                               done() > 0 ? "another pass" : "the first pass");
+                               done_ > 0 ? "another pass" : "the first pass");
         return std::string(why) + ", the last pass was given up";
     }
 
@@ -333,8 +332,8 @@ private:
         if (part > 0) job_.film.end_cut_pass(eyes_alone_ ? Image() : std::move(copy_));
         result_.film_whole = part == 0;
         result_.image = job_.film.layers(result_.channels);
-        result_.passes = done();
-        if (done() > 0) return;
+        result_.passes = done_;
+        if (done_ > 0) return;
         result_.incomplete =
             part == 1.0
                 ? std::string("the first pass was cut short: it has not all of its light paths")
@@ -355,8 +354,6 @@ private:
             "the first pass was cut short: black pixels were not reached, and light from light paths is too dark";
     }
 
-    uint32_t done() const { return done_; }
-
     const RenderJob& job_;
     const StopRequests& requests_;
     Progress& progress_;
@@ -364,9 +361,11 @@ private:
     RenderResult result_;
     Clock::time_point start_;
     std::atomic<double> writing_;  // that is expected [s]
+    double next_look_ = 0;         // at the picture, by the watcher
     std::atomic<Cause> cause_{Cause::none};
     std::atomic<bool> cancel_{false};
     std::atomic<bool> half_time_{false};  // of what is left for the running pass
+    const double adding_;                 // the light that comes last [s]
     const bool may_cut_;                  // a part of a pass may be kept
     const bool eyes_alone_;
     const uint64_t first_round_;
