@@ -31,7 +31,7 @@ public:
           progress_(progress),
           writing_(job.writing.expected()),
           // Adding a film to another reads two, and makes no image.
-          adding_(job.integrator.light_comes_last() ? 2 * job.writing.layers : 0.0),
+          adding_(job.integrator.light_comes_last() ? 1.5 * job.writing.layers : 0.0),
           may_cut_(!job.keep_film_whole && !job.film.settings().error_layer),
           eyes_alone_(job.integrator.adds_eye_samples_alone()),
           first_round_(pixels_of_first_round(job.film.settings())),
@@ -169,6 +169,8 @@ private:
         may_give_up_ = false;
     }
 
+    bool shows_all() const { return done_ > 0 || statistics_.eye_paths.load() >= first_round_; }
+
     // A tick, or less where a pass is to be cut before that.
     std::chrono::duration<double> until_next_look() const
     {
@@ -177,28 +179,27 @@ private:
                                     : tick;
     }
 
-    // Looks at the picture when it is nearly done, to see how long writing will take. Where that does not matter, or
-    // the light comes after eye paths, what was expected stays.
+    // Looks at the picture once it shows all of itself, to see how long writing will take; more often towards the end.
+    // Where that does not matter, or the light comes after eye paths, what was expected stays.
     void look_at_picture()
     {
         constexpr int rows = 16;
-        const double limit = job_.stop.seconds, noise = job_.writing.noise, now = elapsed();
-        if (job_.integrator.light_comes_last() || noise < 0.01 * limit || now < limit - 1.5 * noise) return;
-        if (now < next_look_) return;
+        const double now = elapsed(), least = 4 * std::chrono::duration<double>(tick).count();
+        if (job_.integrator.light_comes_last() || job_.writing.noise < 0.01 * job_.stop.seconds) return;
+        if (now < next_look_ || now < job_.stop.seconds - 1.5 * job_.writing.noise) return;
         std::unique_lock lock(mutex_);
+        if (!shows_all()) return;
         const Image sample = job_.film.sample_rows(rows);
         lock.unlock();
         writing_ = job_.writing.seconds(sample);
-        fprintf(stderr, "DBG look %.3f at %.3f took %.3f\n", writing_.load(), now, elapsed() - now);
-        next_look_ = elapsed() + (elapsed() - now) / look_share;
+        next_look_ = now + std::max(0.5 * (stop().seconds - now), least);
     }
 
     // Ends what must end for time.
     void look_at_clock()
     {
         const std::lock_guard lock(mutex_);
-        const bool shows_all = done_ > 0 || statistics_.eye_paths.load() >= first_round_;
-        if (!may_give_up_ || !shows_all) return;
+        if (!may_give_up_ || !shows_all()) return;
         const double now = elapsed();
         if (may_cut_ && stop().time_is_up(2 * now - pass_start_)) half_time_.store(true);
         if (may_cut_ ? stop().time_is_up(now) : stop().overdue(now)) cancel(Cause::time);
@@ -219,7 +220,7 @@ private:
                 announced = true;
             }
             if (asked > 1) cancel(Cause::user);
-            if (ticks % ticks_per_update == 0 && job_.stop.seconds > 0) look_at_picture();
+            if (job_.stop.seconds > 0) look_at_picture();
             look_at_clock();
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
