@@ -6,7 +6,7 @@
 namespace dapple {
 
 // Processor seconds of this thread for compressing all values as ZIP does in OpenEXR: in blocks of 16 rows, with the
-// low bytes apart from the high ones, each byte as the difference from the one before it, deflated at level 4. Other
+// low bytes apart from the high ones, each byte as the difference from the one before it, deflated at level 1. Other
 // threads do not disturb it (but for the caches and cores that they share).
 double zip_seconds(const Image& image);
 

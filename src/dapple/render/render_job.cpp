@@ -30,9 +30,9 @@ public:
           requests_(requests),
           progress_(progress),
           writing_(job.writing.expected()),
-          // Adding a film to another reads two, and makes no image.
-          adding_(job.integrator.light_comes_last() ? 1.5 * job.writing.layers : 0.0),
           may_cut_(!job.keep_film_whole && !job.film.settings().error_layer),
+          // Adding a film to another reads two, and makes no image.
+          adding_(may_cut_ && job.integrator.light_comes_last() ? 1.5 * job.writing.layers : 0.0),
           eyes_alone_(job.integrator.adds_eye_samples_alone()),
           first_round_(pixels_of_first_round(job.film.settings())),
           done_(job.film.passes())
@@ -183,16 +183,17 @@ private:
     // Where that does not matter, or the light comes after eye paths, what was expected stays.
     void look_at_picture()
     {
-        constexpr int rows = 16;
         const double now = elapsed(), least = 4 * std::chrono::duration<double>(tick).count();
         if (job_.integrator.light_comes_last() || job_.writing.noise < 0.01 * job_.stop.seconds) return;
         if (now < next_look_ || now < job_.stop.seconds - 1.5 * job_.writing.noise) return;
+        if (cancel_.load() || stop().seconds - now < 2 * look_cost_) return;  // it would delay the end
         std::unique_lock lock(mutex_);
         if (!shows_all()) return;
-        const Image sample = job_.film.sample_rows(rows);
+        const Image sample = job_.film.sample_rows(16);
         lock.unlock();
         writing_ = job_.writing.seconds(sample);
-        next_look_ = now + std::max(0.5 * (stop().seconds - now), least);
+        look_cost_ = elapsed() - now;
+        next_look_ = now + std::max({0.5 * (stop().seconds - now), look_cost_ / look_share, least});
     }
 
     // Ends what must end for time.
@@ -220,8 +221,8 @@ private:
                 announced = true;
             }
             if (asked > 1) cancel(Cause::user);
-            if (job_.stop.seconds > 0) look_at_picture();
             look_at_clock();
+            if (job_.stop.seconds > 0) look_at_picture();
             if (ticks % ticks_per_update == 0 && !token.stop_requested()) progress_.update(state());
         }
     }
@@ -361,13 +362,13 @@ private:
     Statistics statistics_;
     RenderResult result_;
     Clock::time_point start_;
-    std::atomic<double> writing_;  // that is expected [s]
-    double next_look_ = 0;         // at the picture, by the watcher
+    std::atomic<double> writing_;           // that is expected [s]
+    double next_look_ = 0, look_cost_ = 0;  // at the picture, by the watcher [s]
     std::atomic<Cause> cause_{Cause::none};
     std::atomic<bool> cancel_{false};
     std::atomic<bool> half_time_{false};  // of what is left for the running pass
-    const double adding_;                 // the light that comes last [s]
     const bool may_cut_;                  // a part of a pass may be kept
+    const double adding_;                 // the light that comes last [s]
     const bool eyes_alone_;
     const uint64_t first_round_;
 

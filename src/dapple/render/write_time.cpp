@@ -66,11 +66,10 @@ constexpr double whole = 1.15;
 WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSettings& film, bool half)
 {
     const int trial_rows = 16 * std::max(2, thread_count());  // a block for each thread, as OpenEXR compresses them
-    constexpr int more = 4;                                   // black ones, which take little
+    const int black_rows = std::max(trial_rows, std::min(4 * trial_rows, 256));  // they take little
     const Int2 size = film.crop_max - film.crop_min;
     FilmSettings band = film;
-    band.crop_max.y = band.crop_min.y + std::min(size.y, more * trial_rows);
-    band.error_layer = false;
+    band.crop_max.y = band.crop_min.y + std::min(size.y, black_rows);
     WriteOptions options;
     options.half = half;
     WriteTime time;
@@ -78,6 +77,7 @@ WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSetting
         const Film black(band);
         Image rows = black.layers(options.channel_names);  // the first time is slower
         const auto start = std::chrono::steady_clock::now();
+        rows = Image();
         rows = black.layers(options.channel_names);
         time.layers = seconds_since(start) * size.y / rows.height;
         time.zip_black = zip_seconds_of_row(rows);

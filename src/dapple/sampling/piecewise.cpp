@@ -48,6 +48,7 @@ AliasTable::AliasTable(std::span<const float> weights) : bins_(weights.size())
         const double p = sum > 0.0 ? weights[i] / sum : 1.0 / static_cast<double>(count);
         const auto index = static_cast<uint32_t>(i);
         bins_[i] = {1.0f, index, static_cast<float>(p)};
+        if (p > 0.0) least_ = std::min(least_, bins_[i].p);
         const double share = p * static_cast<double>(count);
         (share < 1.0 ? small : large).push_back({index, share});
     }

@@ -22,8 +22,11 @@ public:
     uint32_t sample(float u, float* remapped = nullptr) const;
     float probability(uint32_t index) const { return bins_[index].p; }
     size_t size() const { return bins_.size(); }
+    // Whether what `remapped` keeps of 24 random bits will do for any index: 14 of them.
+    bool remaps_finely() const { return least_ >= 0x1p-10f; }
 
 private:
+    float least_ = 1.0f;  // probability, zero left out
     struct Bin {
         float threshold;  // below: this index, else the alias
         uint32_t alias;

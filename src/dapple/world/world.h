@@ -108,12 +108,11 @@ public:
 
     // Probability of a light under power-weighted selection (light_choice).
     float light_probability(LightId light) const { return light_choice.probability(light.value); }
-    // A light chosen so. Where there are few, by u, which is as good as new afterwards: the points on them share its
-    // even spread; where there are many, too few of its bits would be left, and a number is drawn.
+    // A light chosen so. By u where none is improbable, and u is as good as new afterwards: the points on the lights
+    // share its even spread; where too few of its bits would be left, a number is drawn.
     LightId choose_light(RandomStream& random, float& u) const
     {
-        constexpr size_t few = 64;
-        if (light_choice.size() > few) return LightId(light_choice.sample(random.next()));
+        if (!light_choice.remaps_finely()) return LightId(light_choice.sample(random.next()));
         random.skip(1);
         return LightId(light_choice.sample(u, &u));
     }

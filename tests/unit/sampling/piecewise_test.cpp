@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace dapple {
 namespace {
 
@@ -47,6 +49,26 @@ TEST(AliasTable, RemapsWhatIsLeftOfTheNumberUniformly)
     }
     for (int i = 0; i < 3 * cells; ++i) expected[i] = n * weights[i / cells] / 8.0 / cells;
     EXPECT_TRUE(chi_squared_passes(counts, expected));
+}
+
+// A number that chose something improbable has few bits left: a millionth leaves 17 values, a thousandth enough.
+TEST(AliasTable, KnowsWhetherRemappedNumbersAreFine)
+{
+    const auto table = [](float weight) { return AliasTable(std::vector<float>{1.0f, weight, 0.0f}); };
+    const auto values = [](const AliasTable& of) {
+        std::set<float> rest;
+        for (uint32_t i = 0; i < 1u << 24; ++i) {
+            float remapped = 0.0f;
+            if (of.sample(static_cast<float>(i) * 0x1p-24f, &remapped) == 1) rest.insert(remapped);
+        }
+        return rest.size();
+    };
+    EXPECT_FALSE(table(1e-6f).remaps_finely());
+    EXPECT_LT(values(table(1e-6f)), 40u);
+    EXPECT_TRUE(table(1e-3f).remaps_finely());
+    EXPECT_GT(values(table(1e-3f)), 10000u);
+    EXPECT_TRUE(table(1.0f).remaps_finely());
+    EXPECT_FALSE(AliasTable(std::vector<float>(2000, 1.0f)).remaps_finely());
 }
 
 TEST(AliasTable, NeverChoosesZeroWeights)

@@ -191,6 +191,44 @@ TEST(ShapeSampling, TriangleDensityIsOneOverTheOctant)
     EXPECT_EQ(sample_area(triangle, {0.3f, 0.6f}).pdf, 0.0f);
 }
 
+// Near triangles are sampled by solid angle, far ones by area; the change is at 3.5 radii.
+TEST(ShapeSampling, DensitiesOfTrianglesHoldOnBothSidesOfTheChange)
+{
+    Primitive triangle;
+    triangle.p[0] = Vec3(0.2f, -0.1f, 0.3f);
+    triangle.p[1] = Vec3(1.1f, 0.4f, 0.1f);
+    triangle.p[2] = Vec3(0.3f, 0.9f, 0.5f);
+    const Vec3 centroid = (triangle.p[0] + triangle.p[1] + triangle.p[2]) / 3.0f;
+    float radius = 0.0f;
+    for (int i = 0; i < 3; ++i) radius = std::max(radius, length(triangle.p[i] - centroid));
+    const std::vector<Cell> cells = cells_of(triangle);
+    constexpr uint64_t count = 20000;
+    for (const float radii : {3.3f, 3.49f, 3.51f, 3.7f})
+        for (const Vec3& towards : {Vec3(0.2f, -0.4f, 1.0f), Vec3(1.0f, 0.3f, 0.1f), Vec3(-0.5f, -1.0f, -0.9f)}) {
+            const Vec3 reference = centroid + normalize(towards) * (radii * radius);
+            double expected = 0.0;
+            for (const double e : solid_angles(cells, reference, false)) expected += e;
+            double sum = 0.0, squares = 0.0;
+            float least = 1e30f, most = 0.0f;
+            for (uint64_t i = 0; i < count; ++i) {
+                ShapeSample sample;
+                ASSERT_TRUE(sample_solid_angle(triangle, reference, random_2d(i, 1), sample));
+                const Vec3 wi = normalize(sample.position - reference);
+                ASSERT_NEAR(pdf_solid_angle(triangle, reference, wi, sample.position, sample.normal) / sample.pdf, 1.0f,
+                            1e-4f)
+                    << radii;
+                sum += 1.0 / sample.pdf;
+                squares += 1.0 / (double(sample.pdf) * sample.pdf);
+                least = std::min(least, sample.pdf);
+                most = std::max(most, sample.pdf);
+            }
+            const double mean = sum / count;
+            const double error = std::sqrt(std::max(0.0, squares / count - mean * mean) / count);
+            EXPECT_LT(std::abs(mean - expected), 4.6 * error + 1e-3 * expected) << radii;
+            EXPECT_EQ(most / least < 1.0001f, radii < 3.5f) << "by solid angle, or by area: " << radii;
+        }
+}
+
 TEST(ShapeSampling, ThinAndDistantTrianglesKeepTheirMoments)
 {
     // A sliver seen at an angle, from near and from far: the mean position must be the one by quadrature.
