@@ -44,6 +44,8 @@ StopRule stop_rule(const RenderOptions& options, const scene::Description& descr
     return rule;
 }
 
+constexpr double much_writing = 0.2;  // of the time limit: said
+
 // Of --time, which is that of the whole command: what loading took is over, and writing the files comes after.
 class TimeLimit {
 public:
@@ -293,8 +295,11 @@ int render(const RenderOptions& options, const RenderStart& start)
     const uint64_t record = options.techniques.empty() ? 0 : TechniqueRecord::bytes(settings);
     check_memory(options.memory, memory_account(compiled, settings, *choice.entry, record, limit.any()), choice);
     const WriteTime writing = limit.any() ? time_to_write(outputs, settings, options.half) : WriteTime();
-    const std::vector<std::string> lowered =
+    std::vector<std::string> lowered =
         lower_efforts(limit, start, choice, *world, settings, seed_of(options, description), writing);
+    if (writing.expected() > much_writing * options.seconds)
+        lowered.push_back(fmt::format("for --time: {:.1f} s are left for writing the files (fewer --layers take less)",
+                                      writing.expected()));
     const std::unique_ptr<Integrator> integrator = choice.entry->create(*world, choice.settings);
     describe_passes(settings, *integrator);
     Film film(settings);
@@ -338,7 +343,7 @@ int render(const RenderOptions& options, const RenderStart& start)
     std::vector<std::string> problems = write_results(options, identity, film, result, outputs,
                                                       checkpointer ? &*checkpointer : nullptr, requests, *progress);
     try {
-        if (techniques) techniques->write(options.techniques, result);
+        if (techniques && techniques->write(options.techniques, result)) progress->written(options.techniques);
     } catch (const UserError& error) {
         problems.emplace_back(error.what());
     }

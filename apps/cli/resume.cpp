@@ -21,6 +21,17 @@ Examples:
   dapple resume out.dapple --passes 1000          and beyond
   dapple resume out.dapple --scene new/scene.pbrt -o new/out.exr)";
 
+// A merged file has the command of its first part, which wrote that part.
+void check_other_states(const RenderOptions& options, const std::string& checkpoint)
+{
+    for (const std::string& path : options.outputs)
+        if (is_state_path(path) && std::filesystem::exists(path) && !std::filesystem::equivalent(path, checkpoint))
+            throw UserError(
+                fmt::format("this would overwrite '{}', which the first command wrote: say where to with -o, "
+                            "for example -o {}",
+                            path, checkpoint));
+}
+
 int resume(const std::string& file, const RenderOptions& changes)
 {
     RenderStart start;
@@ -38,7 +49,10 @@ int resume(const std::string& file, const RenderOptions& changes)
     RenderOptions asked = changes;
     make_absolute(asked, std::filesystem::current_path().string());
     if (!asked.scene.empty()) options.scene = asked.scene;
-    if (!asked.outputs.empty()) options.outputs = asked.outputs;
+    if (!asked.outputs.empty())
+        options.outputs = asked.outputs;
+    else
+        check_other_states(options, start.checkpoint);
     if (asked.passes > 0 || asked.seconds > 0 || asked.error > 0) {
         options.passes = asked.passes;
         options.seconds = asked.seconds;

@@ -148,9 +148,9 @@ class Resume(unittest.TestCase):
         self.refused("merge", "a.dapple", "overlap.dapple", "-o", "x.exr", saying="already there")
         self.refused("merge", "a.dapple", "seed.dapple", "-o", "x.exr", saying="seed 4, not 0")
         self.refused("merge", "a.dapple", "depth.dapple", "-o", "x.exr", saying="maxdepth=3")
-        self.refused("merge", "a.dapple", "ball.pbrt", "-o", "x.exr", saying="is not a file of Dapple's")
+        self.refused("merge", "a.dapple", "ball.pbrt", "-o", "x.exr", saying="is no .dapple file")
         self.refused("merge", "a.dapple", "none.dapple", "-o", "x.exr", saying="no such file")
-        self.refused("resume", "ball.pbrt", saying="is not a file of Dapple's")
+        self.refused("resume", "ball.pbrt", saying="is no .dapple file")
         whole = (self.folder / "a.dapple").read_bytes()
         (self.folder / "cut.dapple").write_bytes(whole[:-100])
         (self.folder / "bad.dapple").write_bytes(whole[:2000] + bytes([whole[2000] ^ 1]) + whole[2001:])
@@ -158,6 +158,11 @@ class Resume(unittest.TestCase):
         self.refused("resume", "bad.dapple", saying="checksum")
         self.dapple("merge", "a.dapple", "apart.dapple", "-o", "gap.dapple", "--quiet")
         self.refused("resume", "gap.dapple", saying="merge those first")
+        # A merged file has the command of its first part, which must not be written over.
+        part("next.dapple", "--first-pass", 2)
+        self.dapple("merge", "a.dapple", "next.dapple", "-o", "both.dapple", "--quiet")
+        self.refused("resume", "both.dapple", "--passes", 5, saying="would overwrite")
+        self.assertEqual((self.folder / "a.dapple").read_bytes(), whole)
         self.refused("resume", "a.dapple", "--error", "0.1", saying="no error estimates")
         scene = self.folder / "ball.pbrt"
         text = scene.read_text()

@@ -6,11 +6,12 @@
 
 namespace dapple {
 
-double caustic_share(const World& world)
+CausticShare caustic_share(const World& world)
 {
     constexpr int64_t paths = 8192;
     constexpr int most_deltas = 100;
-    double all = 0.0, caustic = 0.0;
+    double all = 0.0;
+    CausticShare caustic;
     for (int64_t path = 0; path < paths; ++path) {
         RandomStream random = light_path_stream(0, static_cast<uint64_t>(StreamPurpose::photon), path);
         const Wavelengths wavelengths = choose_wavelengths(ColorModel::spectral, random.next());
@@ -22,12 +23,16 @@ double caustic_share(const World& world)
             if (!vertex->is_delta()) {
                 const double light = walk.arriving().average();
                 all += light;
-                if (walk.events().specular_before_first) caustic += light;
+                if (walk.events().specular_before_first) {
+                    caustic.all += light;
+                    if (!can_be_met(world.lights.list[departure.light.value])) caustic.of_points += light;
+                }
             }
             if (!vertex->has_delta_lobe() || walk.depth() >= most_deltas) break;
         }
     }
-    return all > 0.0 ? caustic / all : 0.0;
+    if (all == 0.0) return {};
+    return {caustic.all / all, caustic.of_points / all};
 }
 
 }  // namespace dapple

@@ -1,6 +1,7 @@
 #include "dapple/integrators/photon_maps.h"
 
 #include "dapple/base/error.h"
+#include "dapple/base/log.h"
 #include "dapple/density/schedule.h"
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/photon_tracing.h"
@@ -78,6 +79,9 @@ void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel mo
 {
     const double share = static_cast<double>(bytes) / std::max(photon_map_bytes(plan, context, model), 1.0);
     if (share >= 1.0) return;
+    if (share < 0.25)
+        log_warning("--memory leaves room for {:.2g} % of the light paths: light will be blotchy, and dark in corners",
+                    100 * share);
     plan.global_paths = std::max<int64_t>(plan.wavelength_sets, static_cast<int64_t>(plan.global_paths * share));
     plan.caustic_paths = static_cast<int64_t>(plan.caustic_paths * share);
 }

@@ -18,7 +18,8 @@ namespace dapple {
 namespace {
 
 constexpr size_t most_lights_shown = 20;
-constexpr double least_caustics = 0.01;  // of all light: less, by a bead or a ring, decides nothing
+constexpr double least_caustics = 0.01;  // of all light: less, by a bead or a ring, is not spoken of
+constexpr double many_caustics = 0.1;    // so many that path takes long even where it can meet the lamps
 
 std::string_view kind_name(Light::Kind kind)
 {
@@ -98,11 +99,13 @@ void add_memory(std::vector<std::string>& lines, const MemoryAccount& account, c
 // knows media.
 std::string what_suits(const World& world)
 {
-    const double share = caustic_share(world), percent = 100 * share;
-    const bool caustics = share >= least_caustics;
+    const CausticShare share = caustic_share(world);
+    const double percent = 100 * share.all;
+    const bool caustics = share.all >= least_caustics;
+    const bool beyond_path = share.all >= many_caustics || share.of_points >= least_caustics;
     std::string names, why = world.has_scattering_media ? "media scatter" : "";
     for (const IntegratorEntry& entry : integrator_registry())
-        if (knows_media(entry, world) && (entry.photon_layers || !caustics))
+        if (knows_media(entry, world) && (entry.photon_layers || !beyond_path))
             names.append(names.empty() ? "" : ", ").append(entry.name);
     if (caustics)
         why += fmt::format("{}{:.{}f} % of the light is caustics, of which path finds those of large lamps alone",

@@ -5,6 +5,7 @@
 #include "dapple/render/duration.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,6 +25,20 @@ void put(std::FILE* stream, const std::string& text)
     std::fflush(stream);
 }
 
+size_t terminal_columns()
+{
+    winsize size{};
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+// On one line: without the bar where it has no room, and cut where that is not enough.
+std::string fitting(const ProgressState& state, size_t columns)
+{
+    std::string text = format_progress(state, terminal_bar_width);
+    if (text.size() >= columns) text = format_progress(state, 0);
+    return text.substr(0, columns - 1);
+}
+
 class BarProgress final : public Progress {
 public:
     explicit BarProgress(bool terminal) : terminal_(terminal) {}
@@ -37,7 +52,7 @@ public:
     void update(const ProgressState& state) override
     {
         if (terminal_) {
-            put(stderr, fmt::format("\r\x1b[K{}", format_progress(state, terminal_bar_width)));
+            put(stderr, fmt::format("\r\x1b[K{}", fitting(state, terminal_columns())));
             bar_shown_ = true;
         } else if (state.elapsed - last_line_ >= seconds_between_lines) {
             last_line_ = state.elapsed;
@@ -136,7 +151,7 @@ std::string format_progress(const ProgressState& state, int bar_width)
     if (state.light_paths > 0) text += fmt::format(", {} light paths", format_count(state.light_paths));
     if (state.photons > 0) text += fmt::format(", {} photons", format_count(state.photons));
     if (state.error >= 0) text += fmt::format(", error {:.2g} %", 100 * state.error);
-    text += fmt::format(", {}", format_duration(state.elapsed));
+    text += fmt::format(", {} gone", format_duration(state.elapsed));
     if (state.remaining >= 0) text += fmt::format(", {} left", format_duration(state.remaining));
     return text;
 }

@@ -94,7 +94,7 @@ private:
             estimate_error();
             for (PassObserver* observer : job_.observers) observer->after_pass(job_.film, counters());
         }
-        result_.reason = why_ended();
+        result_.reason = why_ended() + (passes_at_error_ > 0 ? stop().error_missed(error_) : "");
         whole_ = true;
     }
 

@@ -147,7 +147,7 @@ std::ifstream open_state(const std::string& path, const std::string& kind, Layou
     if (!in || !fs::is_regular_file(path, error)) fail(path, "cannot be read: not a readable file");
     std::string head(magic.size() + kind_length, '\0');
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
-    if (!in || head.substr(0, magic.size()) != magic) fail(path, "is not a file of Dapple's");
+    if (!in || head.substr(0, magic.size()) != magic) fail(path, "is no .dapple file");
     const std::string found = head.substr(magic.size());
     if (found != padded_kind(kind)) fail(path, fmt::format("is of kind '{}', not '{}'", found, kind));
     const uint64_t format = read_word(in);

@@ -3,6 +3,8 @@
 // given up. Where passes may be cut, the end is at T (see render_job.h).
 #include "dapple/render/stop_rule.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace dapple {
@@ -36,6 +38,12 @@ bool StopRule::another(uint32_t done, double elapsed, double expected_pass) cons
     if (done == 0) return true;
     if (passes > 0 && done >= passes) return false;
     return seconds <= 0 || elapsed + 0.5 * expected_pass < seconds;
+}
+
+std::string StopRule::error_missed(double estimated) const
+{
+    if (error <= 0 || estimated <= error) return "";
+    return fmt::format("; the estimated error is {:.3g} %, not yet {:.3g} %", 100 * estimated, 100 * error);
 }
 
 bool StopRule::error_due(uint32_t next, uint32_t done, uint32_t correlated) const

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <string>
 
 namespace dapple {
 
@@ -41,6 +42,9 @@ struct StopRule {
     // at the ends of batches, from 4 batches and 8 passes on, and ever more rarely, so that it costs little. Depends on
     // passes alone.
     bool error_due(uint32_t next, uint32_t done, uint32_t correlated) const;
+
+    // "; the estimated error is 9 %, not yet 5 %", where one was asked for and `estimated` does not reach it.
+    std::string error_missed(double estimated) const;
 
     // Whether the pass started now is expected to be the last one by time.
     bool last_by_time(double elapsed, double expected_pass) const;

@@ -25,17 +25,18 @@ uint64_t TechniqueRecord::bytes(const FilmSettings& settings)
 
 void TechniqueRecord::after_pass(const Film&, const RenderCounters&) { films_.end_pass(); }
 
-void TechniqueRecord::write(const std::string& path, const RenderResult& result) const
+bool TechniqueRecord::write(const std::string& path, const RenderResult& result) const
 {
     if (!result.film_whole) {
         log_warning("'{}' is not written: the last pass was given up", path);
-        return;
+        return false;
     }
     WriteOptions options;
     const Image image = films_.layers(options.channel_names);
     options.data_origin = crop_min_;
     options.full_size = full_size_;
     write_image(path, image, options);
+    return true;
 }
 
 }  // namespace dapple

@@ -19,9 +19,9 @@ public:
 
     void after_pass(const Film& film, const RenderCounters& counters) override;
 
-    // Writes all layers as .exr; warns instead where the films do not hold whole passes. Throws UserError as
-    // write_image does.
-    void write(const std::string& path, const RenderResult& result) const;
+    // Writes all layers as .exr and returns true; warns instead where the films do not hold whole passes. Throws
+    // UserError as write_image does.
+    bool write(const std::string& path, const RenderResult& result) const;
 
 private:
     TechniqueFilms films_;

@@ -126,7 +126,7 @@ TEST_F(CheckpointFile, EveryDamagedByteAndEveryCutIsNoticed)
         EXPECT_NE(read_bytes(good.substr(0, at)), "no error") << at;
     }
     EXPECT_NE(read_bytes(good + "x"), "no error");
-    EXPECT_NE(read_bytes("v/1\n").find("is not a file of Dapple's"), std::string::npos);
+    EXPECT_NE(read_bytes("v/1\n").find("is no .dapple file"), std::string::npos);
     EXPECT_NE(error_of([&] { read_checkpoint(path("none.dapple")); }).find("no such file"), std::string::npos);
 }
 

@@ -28,7 +28,7 @@ TEST(Progress, LineTellsPassSamplesPhotonsAndTimes)
     state.remaining = 61.99;
     state.fraction = 0.2;
     EXPECT_EQ(format_progress(state, 10),
-              "20 % [##........] pass 4 of 16, 1.23 M eye paths, 45.6 k photons, 12 s, 1 min 01 s left");
+              "20 % [##........] pass 4 of 16, 1.23 M eye paths, 45.6 k photons, 12 s gone, 1 min 01 s left");
 }
 
 TEST(Progress, AfterARequestTheLineIsOfThePass)
@@ -40,7 +40,7 @@ TEST(Progress, AfterARequestTheLineIsOfThePass)
     state.remaining = 2.5;
     state.fraction = 0.4;
     state.stopping = true;
-    EXPECT_EQ(format_progress(state, 10), "40 % [####......] of pass 4, the last, 12 s, 2 s left");
+    EXPECT_EQ(format_progress(state, 10), "40 % [####......] of pass 4, the last, 12 s gone, 2 s left");
     state.remaining = -1;
     EXPECT_EQ(format_progress(state, 0), "40 % of pass 4, the last, 12 s");
 }

@@ -90,6 +90,14 @@ TEST(PassTimes, ForgetTheFirstPassWhenItWasSlower)
     EXPECT_DOUBLE_EQ(times.expected(), 1);
 }
 
+TEST(StopRule, SaysThatAnErrorIsNotReached)
+{
+    const StopRule rule{0, 10, 0.05};
+    EXPECT_EQ(rule.error_missed(0.0912), "; the estimated error is 9.12 %, not yet 5 %");
+    EXPECT_EQ(rule.error_missed(0.05), "");
+    EXPECT_EQ((StopRule{0, 10}).error_missed(1), "");
+}
+
 TEST(StopRule, LeavesTimeForWhatComesAfter)
 {
     EXPECT_DOUBLE_EQ((StopRule{0, 10}).leaving(1.5).seconds, 8.5);
