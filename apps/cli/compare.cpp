@@ -155,7 +155,7 @@ Command add_compare(CLI::App& app)
     Options& o = *options;
     parser->add_option("a", o.test, "the image to judge")->required();
     parser->add_option("b", o.reference, "the image to judge it by")->required();
-    add_number(*parser, "--clamp", o.clamp, "> 0", "limit both images to this value first");
+    add_number(*parser, "--clamp", o.clamp, "> 0", "limit values of both images to this size first");
     parser->add_option("--layer", o.layer, "compare this layer instead of the beauty, such as Albedo, Z or caustic");
     parser->add_option("-o,--diff", o.difference, "write a picture of the signed difference");
     add_number(*parser, "--diff-scale", o.difference_scale, "> 0",

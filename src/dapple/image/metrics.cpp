@@ -12,6 +12,9 @@ namespace dapple {
 
 namespace {
 
+// Colours outside of the gamut are negative, and may be as large.
+float limited(float value, const CompareOptions& options) { return std::clamp(value, -options.clamp, options.clamp); }
+
 void check_alike(const Image& a, const Image& b)
 {
     if (a.width != b.width || a.height != b.height || a.channels != b.channels)
@@ -32,7 +35,7 @@ double mean_difference(const Image& test, const Image& reference, size_t pixel, 
     double difference = 0.0;
     for (int c = 0; c < test.channels; ++c) {
         const size_t i = pixel * test.channels + c;
-        difference += double(std::min(test.pixels[i], options.clamp)) - std::min(reference.pixels[i], options.clamp);
+        difference += double(limited(test.pixels[i], options)) - limited(reference.pixels[i], options);
     }
     return difference / test.channels;
 }
@@ -67,8 +70,8 @@ ImageComparison compare_images(const Image& test, const Image& reference, const 
         ++pixels;
         for (int c = 0; c < test.channels; ++c) {
             const size_t i = pixel * test.channels + c;
-            const double t = std::min(test.pixels[i], options.clamp);
-            const double r = std::min(reference.pixels[i], options.clamp);
+            const double t = limited(test.pixels[i], options);
+            const double r = limited(reference.pixels[i], options);
             const double error = t - r;
             result.mean_test[c] += t;
             result.mean_reference[c] += r;
@@ -94,8 +97,7 @@ Image absolute_difference(const Image& test, const Image& reference, const Compa
     check_alike(test, reference);
     Image result(test.width, test.height, test.channels);
     for (size_t i = 0; i < result.pixels.size(); ++i)
-        result.pixels[i] =
-            std::fabs(std::min(test.pixels[i], options.clamp) - std::min(reference.pixels[i], options.clamp));
+        result.pixels[i] = std::fabs(limited(test.pixels[i], options) - limited(reference.pixels[i], options));
     return result;
 }
 

@@ -10,7 +10,8 @@
 namespace dapple {
 
 struct CompareOptions {
-    // Values of both images are limited to this before anything is computed, against single bright pixels.
+    // Values of both images are limited to this, and from below to its negative, before anything is computed: against
+    // single bright pixels.
     float clamp = std::numeric_limits<float>::infinity();
 };
 

@@ -47,6 +47,9 @@ TEST(Metrics, ValuesByHand)
     EXPECT_DOUBLE_EQ(compare_images(test, reference, options).mae, 0.75);
     EXPECT_EQ(absolute_difference(test, reference).pixels, (std::vector<float>{2.0f, 0.5f}));
     EXPECT_EQ(absolute_difference(test, reference, options).pixels, (std::vector<float>{1.0f, 0.5f}));
+    Image negative(1, 1, 1);
+    negative.pixels[0] = -5.0f;
+    EXPECT_DOUBLE_EQ(compare_images(negative, Image(1, 1, 1), options).mae, 2.0) << "far out of gamut";
 
     const Image sign = signed_difference(test, reference, 4.0f);
     EXPECT_EQ(sign.pixels, (std::vector<float>{0.5f, 0.0f, 0.0f, 0.0f, 0.0f, 0.125f}));
