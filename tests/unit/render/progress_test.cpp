@@ -42,7 +42,7 @@ TEST(Progress, AfterARequestTheLineIsOfThePass)
     state.stopping = true;
     EXPECT_EQ(format_progress(state, 10), "40 % [####......] of pass 4, the last, 12 s gone, 2 s left");
     state.remaining = -1;
-    EXPECT_EQ(format_progress(state, 0), "40 % of pass 4, the last, 12 s");
+    EXPECT_EQ(format_progress(state, 0), "40 % of pass 4, the last, 12 s gone");
 }
 
 TEST(Progress, BarIsNeverFull)
@@ -59,7 +59,7 @@ TEST(Progress, UnknownEndShowsNoPercentage)
 {
     ProgressState state;
     state.elapsed = 5;
-    EXPECT_EQ(format_progress(state, 10), "pass 1, 5 s");
+    EXPECT_EQ(format_progress(state, 10), "pass 1, 5 s gone");
 }
 
 TEST(Progress, JsonRoundsRemainingDownAndSaysNullForUnknown)
