@@ -1,8 +1,7 @@
 // A new folder that nobody else writes into, whatever runs beside; it goes with this.
 #pragma once
 
-#include <stdlib.h>  // mkdtemp
-
+#include <cstdlib>  // mkdtemp
 #include <filesystem>
 #include <stdexcept>
 #include <string>

@@ -1,11 +1,11 @@
 #include "dapple/image/zip_time.h"
 
-#include <time.h>  // clock_gettime
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <ctime>  // clock_gettime
 #include <vector>
 
 namespace dapple {
