@@ -67,10 +67,7 @@ int merge(const Options& options)
     output.full_size = whole.header.film.resolution;
     output.write_state = [&](const std::string& path) { write_checkpoint(path, whole.header, *whole.film); };
     const auto progress = make_progress(options.quiet ? ProgressKind::none : ProgressKind::bar);
-    std::string ranges;
-    for (const PassRange& range : whole.header.ranges)
-        ranges += fmt::format("{}{} to {}", ranges.empty() ? "" : ", ", range.first, range.end() - 1);
-    progress->note(fmt::format("{} ({})", counted(whole.header.passes(), "pass"), ranges));
+    progress->note(fmt::format("{} ({})", counted(whole.header.passes(), "pass"), ranges_text(whole.header.ranges)));
     const std::string error = write_outputs(result_of(whole), whole.header.record, output, *progress);
     if (!error.empty()) throw Failure(error);
     return 0;

@@ -1,9 +1,10 @@
 // A new folder that nobody else writes into, whatever runs beside; it goes with this.
 #pragma once
 
+#include "dapple/base/error.h"
+
 #include <cstdlib>  // mkdtemp
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -14,7 +15,7 @@ public:
     TempFolder()
     {
         std::string name = (std::filesystem::temp_directory_path() / "dapple-XXXXXX").string();
-        if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a folder like " + name);
+        if (!mkdtemp(name.data())) throw UserError("cannot make a folder like " + name);
         path_ = name;
     }
     ~TempFolder()

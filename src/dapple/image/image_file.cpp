@@ -3,6 +3,7 @@
 #include "dapple/image/image_file.h"
 
 #include "dapple/base/error.h"
+#include "dapple/image/zip_time.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -176,7 +177,7 @@ OIIO::ImageSpec output_spec(const Image& image, const std::vector<std::string>& 
     OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
     if (format == "exr") {
         spec.channelnames = names;
-        spec.attribute("compression", "zip:1");
+        spec.attribute("compression", fmt::format("zip:{}", exr_zip_level));
         spec.x = options.data_origin.x;
         spec.y = options.data_origin.y;
         if (options.full_size.x > 0 && options.full_size.y > 0) {

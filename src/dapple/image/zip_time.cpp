@@ -12,7 +12,6 @@ namespace dapple {
 namespace {
 
 constexpr int block_rows = 16;
-constexpr int level = 1;
 
 double thread_seconds()
 {
@@ -56,7 +55,7 @@ double zip_seconds(const Image& image)
         predict(bytes, differences);
         uLongf size = compressBound(static_cast<uLong>(differences.size()));
         compressed.resize(size);
-        compress2(compressed.data(), &size, differences.data(), static_cast<uLong>(differences.size()), level);
+        compress2(compressed.data(), &size, differences.data(), static_cast<uLong>(differences.size()), exr_zip_level);
     }
     return thread_seconds() - start;
 }

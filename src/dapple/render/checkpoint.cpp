@@ -194,6 +194,8 @@ bool unite(std::vector<PassRange>& ranges, const std::vector<PassRange>& others)
     return true;
 }
 
+}  // namespace
+
 std::string ranges_text(const std::vector<PassRange>& ranges)
 {
     std::string text;
@@ -201,8 +203,6 @@ std::string ranges_text(const std::vector<PassRange>& ranges)
         text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", range.first, range.end() - 1);
     return text.empty() ? "none" : text;
 }
-
-}  // namespace
 
 uint32_t CheckpointHeader::passes() const
 {

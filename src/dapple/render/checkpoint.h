@@ -21,6 +21,9 @@ struct PassRange {
     uint32_t end() const { return first + count; }
 };
 
+// "0 to 3, 10 to 13".
+std::string ranges_text(const std::vector<PassRange>& ranges);
+
 struct CheckpointHeader {
     // Which render: all of this must be equal for two files to belong together.
     RenderRecord record;  // its version, integrator and seed; the rest only tells how it was made

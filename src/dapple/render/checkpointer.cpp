@@ -40,12 +40,9 @@ bool Checkpointer::write(const Film& film, const RenderCounters& counters)
     try {
         write_checkpoint(plan_.path, header_, film);
         written_ = true;
-        last_error_.clear();
     } catch (const UserError& error) {
         good = false;
-        // A full disk is said once, not every minute.
-        if (last_error_ != error.what()) log_warning("{}; the render goes on without it", error.what());
-        last_error_ = error.what();
+        log_warning("{}; the render goes on without it", error.what());
     }
     due_ = now() + (good ? std::max(plan_.every, (now() - start) / largest_share) : plan_.every);
     return good;

@@ -42,7 +42,6 @@ private:
     std::chrono::steady_clock::time_point start_;
     double due_;
     bool written_ = false;
-    std::string last_error_;
 };
 
 // What the header needs to say of the passes of a film that was rendered in one go.

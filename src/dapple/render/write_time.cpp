@@ -58,10 +58,10 @@ double seconds_to_write(const std::vector<std::string>& paths, const Image& rows
     return seconds;
 }
 
-}  // namespace
-
 // Whole images do not fit into caches as these rows do (1.05 to 1.25 times for 28 layers of a megapixel).
 constexpr double whole = 1.15;
+
+}  // namespace
 
 WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSettings& film, bool half)
 {
@@ -97,8 +97,9 @@ WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSetting
 
 double WriteTime::seconds(const Image& rows) const
 {
+    if (!(zip_noise > zip_black)) return expected();
     const double detail = (zip_seconds(rows) / std::max(rows.height, 1) - zip_black) / (zip_noise - zip_black);
-    return zip_noise > zip_black ? black + std::clamp(detail, 0.0, 1.0) * (noise - black) : expected();
+    return black + std::clamp(detail, 0.0, 1.0) * (noise - black);
 }
 
 }  // namespace dapple
