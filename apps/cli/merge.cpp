@@ -81,7 +81,7 @@ Command add_merge(CLI::App& app)
     CLI::App* parser = app.add_subcommand("merge", "one image out of renders of different passes");
     parser->footer(examples);
     parser->add_option("parts", options->parts, ".dapple files")->required();
-    parser->add_option("-o,--output", options->outputs, "file (.exr, .png, .pfm, .hdr, .dapple); may be repeated")
+    parser->add_option("-o,--output", options->outputs, "file (.exr, .png, .pfm, .hdr, .dapple); -o again for another")
         ->required()
         ->allow_extra_args(false);
     parser->add_flag("--half", options->half, "16-bit floats in .exr files");

@@ -91,7 +91,7 @@ void add_render_options(CLI::App& parser, RenderOptions& o)
 {
     parser.footer(examples);
     parser.add_option("scene", o.scene, "a pbrt-v4 scene file")->required();
-    parser.add_option("-o,--output", o.outputs, "file (.exr, .png, .pfm, .hdr, .dapple); may be repeated")
+    parser.add_option("-o,--output", o.outputs, "file (.exr, .png, .pfm, .hdr, .dapple); -o again for another")
         ->allow_extra_args(false);
     parser.add_option("-i,--integrator", o.integrator, "algorithm (dapple integrators lists them)");
     parser.add_option("-D", o.definitions, "a setting of the algorithm, name=value; may be repeated")

@@ -36,8 +36,8 @@ struct Bias {
 constexpr Bias biases[] = {
     {"photonmap", 0.06, 0.005, "photons of the time of their eye paths", "motion_blur"},
     {"irradiancecache", 0.06, 0.005, "as photonmap", "motion_blur"},
-    {"photonmap", 0.12, 0.04, "k-nearest estimates beside a patch that a hundred photons light", "sunlit_room"},
-    {"irradiancecache", 0.12, 0.04, "as photonmap", "sunlit_room"},
+    {"photonmap", 0.08, 0.015, "blur of a patch that a hundred photons light", "sunlit_room"},
+    {"irradiancecache", 0.08, 0.015, "as photonmap", "sunlit_room"},
     {"photonmap", 0.06, 0.03, "20000 photons: blur of caustics and of the global estimate"},
     {"irradiancecache", 0.06, 0.03, "as photonmap, and interpolation of irradiance"},
     {"sppm", 0.08, 0.005, "blur of three pixels at 32: caustics, indirect light that falls off in corners"},

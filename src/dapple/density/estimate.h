@@ -52,10 +52,6 @@ struct EstimateSupport {
     int count = 0;         // photons that took part
     float radius = 0.0f;   // r [m]
     float density = 0.0f;  // photons per area [1/m^2]
-    // Distances of the last two of the k nearest photons [m]; infinite where there are none within max_radius.
-    float before_last = infinity;
-    float last = infinity;
-    bool something_hidden = false;  // photons within r were left out: something stands on the disc
 };
 
 struct RadianceEstimate {
@@ -123,23 +119,12 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     float radius_squared = sqr(bandwidth.max_radius);
     int left_out = -1;
     EstimateSupport support;
-    if (nearest.count() == nearest.k() - 1)
-        support.before_last = std::sqrt(nearest.distance_squared(nearest.farthest()));
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
-        float before_last = 0.0f;
-        for (int i = 0; i < nearest.count(); ++i)
-            if (i != left_out) before_last = std::max(before_last, nearest.distance_squared(i));
-        support.before_last = std::sqrt(before_last);
-        support.last = std::sqrt(nearest.distance_squared(left_out));
         const float least =
             std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
-        if (support.last < least) {
-            EstimateSupport within = detail::visit_within(map, region, bandwidth.kernel, least, visit);
-            within.before_last = support.before_last;
-            within.last = support.last;
-            return within;
-        }
+        if (nearest.distance_squared(left_out) < sqr(least))
+            return detail::visit_within(map, region, bandwidth.kernel, least, visit);
         radius_squared = std::max(detail::even_radius_squared(nearest, left_out), sqr(least));
     } else if (!(bandwidth.max_radius < infinity)) {
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.
@@ -159,6 +144,20 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     }
     support.density = static_cast<float>(support.count) * inv_pi * inv_radius * inv_radius;
     return support;
+}
+
+// The same where each photon has a radius of its own, over which it spreads its flux (surface_places.h): no flux
+// is made or lost, whatever the radii.
+template <class Visitor>
+void visit_reaching(const PhotonMap& map, const PointLimits& radii, const SurfaceRegion& region, KernelKind kernel,
+                    Visitor&& visit)
+{
+    if (map.empty() || map.emitted() == 0) return;
+    const float inv_emitted = 1.0f / static_cast<float>(map.emitted());
+    map.for_each_reaching(region, radii, [&](uint32_t slot, float distance_squared) {
+        const float inv_squared = 1.0f / radii.squared(slot);
+        visit(slot, kernel_disc(kernel, std::sqrt(distance_squared * inv_squared)) * inv_squared * inv_emitted);
+    });
 }
 
 // Reflected (or transmitted) radiance [W/(m^2 sr)]. scattering(wi) is called with the unit direction each photon came

@@ -1,60 +1,49 @@
 // Irradiance computed beforehand at places of surfaces, for readers that need it at matte surfaces only.
 // Christensen 1999, "Faster photon map global illumination". There the places are some of the photons; here they are
 // where other light paths met surfaces, which are spread as photons are but know nothing of these: at a photon of the
-// map itself an estimate is too bright, as one photon is there for sure, while whoever asks for the nearest record has
-// found a gap that lacks one.
+// map itself an estimate is too bright, as one photon is there for sure.
 #pragma once
 
-#include "dapple/density/estimate.h"
+#include "dapple/density/surface_places.h"
 
 #include <functional>
 #include <vector>
 
 namespace dapple {
 
-// Puts the photons of an estimate into `found`. `nearest` is scratch space of the thread.
-using FindPhotons = std::function<EstimateSupport(const PhotonMap& map, const SurfaceRegion& region,
-                                                  NearestPoints& nearest, std::vector<WeightedPhoton>& found)>;
-
-// visit_photons, as it is.
-FindPhotons find_photons_within(const Bandwidth& bandwidth);
-
 struct IrradianceRecord {
-    Spectrum irradiance;       // [W/m^2]
-    float reach = 0.0f;        // how far it speaks for other places [m]; 0 where something stands on its disc
-    float before_last = 0.0f;  // as in EstimateSupport [m]
-    float last = 0.0f;
+    Spectrum irradiance;  // [W/m^2]
+    float radius = 0.0f;  // of the estimate [m]
+    float reach = 0.0f;   // how far it speaks for other places [m]
 };
 
-struct SurfacePlace {
-    Vec3 position;
-    Vec3 normal;  // geometric, unit length, to the side whose light is meant
+// What is estimated at a place.
+struct PlaceIrradiance {
+    Spectrum irradiance;           // [W/m^2]
+    bool something_hidden = false;  // what lies behind something was left out: the record speaks for no other place
 };
 
 class IrradianceMap {
 public:
     IrradianceMap() = default;
-    // Estimates at places on surfaces from the photons that `find` finds; `nearest` is the k of its bandwidth.
-    // Parallel; deterministic if `find` is.
-    IrradianceMap(const PhotonMap& map, const std::vector<SurfacePlace>& places, int nearest, const FindPhotons& find);
+    // reach: how far records speak for other places, in radii of their estimates. Parallel; deterministic if
+    // `estimate` is.
+    IrradianceMap(const SurfacePlaces& places, float reach,
+                  const std::function<PlaceIrradiance(const SurfacePlace&)>& estimate);
 
     bool empty() const { return records_.empty(); }
-    size_t memory_bytes() const
-    {
-        return tree_.memory_bytes() + records_.size() * sizeof(IrradianceRecord) + normals_.size() * sizeof(float);
-    }
+    size_t memory_bytes() const { return records_.size() * sizeof(IrradianceRecord); }
 
-    // The record nearest to a point of a surface whose normal agrees within 60 degrees; null when there is none within
-    // max_distance, or when the point lies beyond its reach. Beside a bright patch whose photons lie dense, the nearest
-    // record of a dark place is one of the patch, so that the patch grows by the reach: a third of the estimate's
-    // radius, which is too short once in five times where light is even. That the reach hangs on the photons of the
-    // estimate makes readers 0.04 +- 0.03 % darker than searches (measured, k = 50).
-    const IrradianceRecord* nearest(const Vec3& position, const Vec3& normal, float max_distance = infinity) const;
+    // The record of the place nearest to a point of a surface whose normal agrees within 60 degrees; null when there
+    // is none within max_distance, or when the point lies beyond its reach. (Where no light falls, the nearest place
+    // may be that of another surface far away, even beyond a wall.) Places lie denser where there is more light, so
+    // that readers get light from their brighter side: too much, by a share that goes as (reach radius / way over
+    // which light changes)^2. `places` are those that the map was made of.
+    const IrradianceRecord* nearest(const SurfacePlaces& places, const Vec3& position, const Vec3& normal,
+                                    float max_distance = infinity) const;
 
 private:
-    PointTree tree_;
-    std::vector<IrradianceRecord> records_;  // in the order of the tree's slots
-    std::vector<float> normals_;             // of the lit side: for each leaf eight x, eight y, eight z
+    std::vector<IrradianceRecord> records_;  // by slot of the places
 };
 
 }  // namespace dapple

@@ -54,4 +54,9 @@ EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, con
                                 vertex.at.time);
 }
 
+void PhotonFinder::find(const World& world, const Vertex& vertex, const PhotonMap& map, const PhotonDiscs& discs)
+{
+    discs.find(world, map, surface_region(vertex.at.position, vertex.bsdf, vertex.wo), found_);
+}
+
 }  // namespace dapple

@@ -4,18 +4,10 @@
 //
 // The light that leaves a vertex x is split into direct light (sampled), caustics (caustic map, kernel of a small
 // radius) and indirect light. A gather ray from x asks the global map, or irradiance computed beforehand, at the first
-// vertex y that is no delta; this gives all light that leaves y. Where y is nearer than the width of the estimate
-// there, or is rough glass or metal, the path goes on instead: direct light and caustics are taken at y, and the next
-// vertex is asked.
-//
-// That choice looks at the photons that the estimate is made of, and must not favour dense ones. Let s be the way from
-// the last vertex, A the disc of radius s round y, A_k that of the k-th photon, N the number of photons within A, and d
-// their true density. Taking the estimate where N >= k and going on elsewhere, which brings d, has the mean
-//   E[(k-1)/A_k; N >= k] + d P(N < k) = d P(N >= k-1) + d P(N < k) = d (1 + P(N = k-1))
-// (density/estimate.h has the first step): 5 % too much at k = 50, where s is about as long as estimates are wide. So
-// where there are just k - 1 photons within A, y brings nothing: the estimate has this share already. This holds for
-// photons that fall independently. Those that come straight from a light without extent are spread more evenly, so that
-// N varies less: for these alone the old sum was right, and this one is dark by that much.
+// vertex y that is no delta; this gives all light that leaves y. Where y is nearer than estimates there are wide, or is
+// rough glass or metal, the path goes on instead: direct light and caustics are taken at y, and the next vertex is
+// asked. How wide estimates are is told by other light paths (density/surface_places.h), so that the choice favours
+// neither dense photons nor sparse ones.
 #pragma once
 
 #include "dapple/density/estimate.h"
@@ -60,6 +52,8 @@ public:
     // The photons of the map that take part in an estimate at the vertex are then in found(), with weights that allow
     // for edges of the surface.
     EstimateSupport find(const World& world, const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
+    // The same for photons that have discs of their own.
+    void find(const World& world, const Vertex& vertex, const PhotonMap& map, const PhotonDiscs& discs);
     const std::vector<WeightedPhoton>& found() const { return found_; }
 
 private:
@@ -223,7 +217,7 @@ private:
     // Adds the light of the photons found; each under the class of its own path where the walk has met no D before.
     void add_photons(const Walk& walk, const PhotonMap& map);
 
-    // The light of the map; or nothing, on behalf of k - 1 photons (see the head). False: the walk shall go on.
+    // The light of the map. False: estimates are too wide there, the walk shall go on.
     bool add_from_global_map(const Walk& walk, float since_last);
 
     const GatherSettings& settings_;
@@ -261,23 +255,24 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
 {
     const Vertex& vertex = walk.vertex();
     if (vertex.bsdf.kind == BsdfKind::diffuse && !maps_.irradiance.empty()) {
-        const IrradianceRecord* record =
-            maps_.irradiance.nearest(vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo), since_last);
-        if (record && record->before_last >= since_last) return false;
+        const IrradianceRecord* record = maps_.irradiance.nearest(
+            maps_.places, vertex.at.position, face_forward(vertex.at.n_geometric, vertex.wo), since_last);
         if (record) {
-            if (record->last >= since_last) return true;
+            if (record->radius >= since_last) return false;
             const Spectrum radiance = vertex.bsdf.a * inv_pi * record->irradiance;
             sink_.add(walk.arriving() * share_ * radiance, PathClass::indirect, LightGroup(0u));
             return true;
         }
     }
-    // A wider estimate would be refused: the search need not look further.
-    Bandwidth bandwidth = settings_.global_bandwidth(caustic_radius());
-    bandwidth.max_radius = std::min(bandwidth.max_radius, since_last);
-    const EstimateSupport support = finder_.find(world_, vertex, maps_.global, bandwidth);
-    if (settings_.nearest == 0 && support.radius >= since_last) return false;
-    if (settings_.nearest > 0 && support.before_last >= since_last) return false;
-    if (settings_.nearest > 0 && support.last >= since_last) return true;
+    const bool own_discs = settings_.nearest > 0;
+    const float radius =
+        own_discs ? maps_.places.radius_at(surface_region(vertex.at.position, vertex.bsdf, vertex.wo))
+                  : caustic_radius();
+    if (radius >= since_last) return false;
+    if (own_discs)
+        finder_.find(world_, vertex, maps_.global, maps_.discs);
+    else
+        finder_.find(world_, vertex, maps_.global, settings_.global_bandwidth(radius));
     add_photons(walk, maps_.global);
     return true;
 }

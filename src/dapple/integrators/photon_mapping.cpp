@@ -10,11 +10,11 @@
 //                           (photon_gather.h).
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
-// Progressive: passes are grouped into epochs; each epoch traces new maps, with the caustic radius of
+// Progressive: passes are grouped into epochs; each epoch traces new maps, with radii of
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
-// footprints. Bias: the blur of the caustic kernel (vanishes with passes) and of the k-nearest estimates of the global
-// map (falls with photons per epoch); exact direct light. Edges of surfaces are allowed for (surface_coverage.h).
-// Surfaces only.
+// footprints. Bias: the blur of caustics and, one bounce away, of the global map; both vanish with passes. Direct light
+// is exact. Without final gathering the estimates take the k nearest photons, whose bias falls with photons per epoch
+// alone. Edges of surfaces are allowed for (surface_coverage.h, photon_discs.h). Surfaces only.
 #include "dapple/integrators/photon_gather.h"
 #include "dapple/integrators/registry.h"
 

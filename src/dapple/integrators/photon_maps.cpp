@@ -11,7 +11,8 @@ namespace {
 
 constexpr int usual_sets = 4;
 constexpr uint32_t most_times = 64;  // of an epoch
-constexpr int photons_per_record = 4;
+constexpr int photons_per_place = 4;
+constexpr float first_reach = 0.35f;  // four of five readers find a record then, where light is even
 
 // The caustic photons among those of the global map, batch by batch.
 std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<Photon>>& batches)
@@ -23,20 +24,28 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     return out;
 }
 
-// At the places where the light paths of the request meet surfaces.
-IrradianceMap irradiance_of(const PassContext& context, const PhotonMap& global, const Bandwidth& bandwidth,
-                            const PhotonRequest& request)
+// Where further light paths meet surfaces, a quarter as many.
+SurfacePlaces places_of(const PassContext& context, const PhotonMapPlan& plan, const PhotonRequest& request)
 {
     std::vector<SurfacePlace> places;
     for (const auto& batch : trace_photons(context.world, request))
         for (const Photon& photon : batch) places.push_back({photon.position, photon.normal});
-    return IrradianceMap(global, places, bandwidth.nearest,
-                         [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& nearest,
-                             std::vector<WeightedPhoton>& found) {
-                             if (context.cancelled()) return EstimateSupport();
-                             return find_covered_photons(context.world, map, region, bandwidth, nearest, found,
-                                                         request.time.value_or(0.5f));
-                         });
+    return {places, (plan.nearest + photons_per_place / 2) / photons_per_place, plan.radius_scale};
+}
+
+// Records reach less far from epoch to epoch, in radii of estimates: else the bias of readers would fall as these radii
+// alone, as long as light changes over radii (at edges of bright patches).
+IrradianceMap irradiance_of(const PassContext& context, const PhotonMapPlan& plan, const PhotonMapSet& maps)
+{
+    return IrradianceMap(maps.places, first_reach * plan.radius_scale, [&](const SurfacePlace& place) {
+        PlaceIrradiance irradiance;
+        if (context.cancelled()) return irradiance;
+        thread_local std::vector<WeightedPhoton> found;
+        irradiance.something_hidden =
+            maps.discs.find(context.world, maps.global, {place.position, place.normal}, found).something_hidden;
+        for (const auto& [photon, weight] : found) irradiance.irradiance += maps.global.flux(photon) * weight;
+        return irradiance;
+    });
 }
 
 }  // namespace
@@ -67,10 +76,10 @@ double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, C
     const double copies = plan.caustic_map ? caustic : 0.0;
     const double stored = (photons + copies) * per_path * static_cast<double>(plan.global_paths) +
                           copies * per_path * static_cast<double>(plan.caustic_paths);
-    // Kept: packed photons, and irradiance at a quarter as many places. While a set is built: its photons as they were
+    // Kept: packed photons, their discs, and a quarter as many places with irradiance. While a set is built: its photons as they were
     // traced, with room to grow, and what sorting takes (photon_map.h).
-    const double kept =
-        32.0 + (plan.precompute_irradiance ? (sizeof(IrradianceRecord) + 28.0) / photons_per_record : 0.0);
+    const double place = 28.0 + (plan.precompute_irradiance ? sizeof(IrradianceRecord) : 0);
+    const double kept = 32.0 + (plan.nearest > 0 ? 5.6 + place / photons_per_place : 0.0);
     const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
     return stored * (kept + building);
 }
@@ -119,11 +128,15 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
             if (context.cancelled()) return maps;
             if (plan.caustic_map) caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
-            if (plan.precompute_irradiance) {
+            if (plan.nearest > 0) {
+                request.paths = (global_paths + photons_per_place - 1) / photons_per_place;
+                request.stream = stream(3);
+                map.discs = PhotonDiscs(context, map.global, places_of(context, plan, request), plan.kernel,
+                                        map.time.value_or(0.5f));
                 request.stream = stream(2);
-                request.paths = (global_paths + photons_per_record - 1) / photons_per_record;
-                map.irradiance = irradiance_of(context, map.global, plan.irradiance_bandwidth, request);
-                context.statistics.light_paths += static_cast<uint64_t>(request.paths);
+                map.places = places_of(context, plan, request);
+                if (plan.precompute_irradiance) map.irradiance = irradiance_of(context, plan, map);
+                context.statistics.light_paths += static_cast<uint64_t>(2 * request.paths);
             }
         }
         const int64_t caustic_paths = plan.caustic_map ? plan.caustic_paths / plan.wavelength_sets : 0;
@@ -145,8 +158,8 @@ PhotonEpochs::PhotonEpochs(const World& world, const Settings& settings, MapUse 
       paths_(settings.integer_or("photons", 0)),
       caustic_paths_(settings.integer_or("causticphotons", -1)),
       epoch_passes_(static_cast<uint32_t>(settings.integer("epoch"))),
-      irradiance_bandwidth_{static_cast<int>(settings.integer("nearest")), infinity,
-                            kernel_named(settings.word("kernel"))},
+      nearest_(static_cast<int>(settings.integer("nearest"))),
+      kernel_(kernel_named(settings.word("kernel"))),
       irradiance_(settings.boolean("irradiance")),
       wavelength_sets_(static_cast<int>(settings.integer("wavelengthsets"))),
       max_depth_(static_cast<int>(settings.integer("maxdepth"))),
@@ -173,10 +186,11 @@ PhotonMapPlan PhotonEpochs::plan(const PassContext& context, const FilmSettings&
     plan.caustic_map = use_ == MapUse::global_and_caustic;
     if (!plan.caustic_map) plan.caustic_paths = 0;
     plan.max_depth = max_depth_;
+    plan.nearest = use_ == MapUse::global_and_caustic ? nearest_ : 0;
+    plan.radius_scale = static_cast<float>(std::sqrt(bias_scale(context.pass)));
+    plan.kernel = kernel_;
     // Irradiance does not remember which light it came from.
-    plan.precompute_irradiance = use_ == MapUse::global_and_caustic && irradiance_ &&
-                                 irradiance_bandwidth_.nearest > 0 && film.light_groups.empty();
-    plan.irradiance_bandwidth = irradiance_bandwidth_;
+    plan.precompute_irradiance = plan.nearest > 0 && irradiance_ && film.light_groups.empty();
     if (memory_ > 0) limit_memory(plan, context, film.color_model, memory_);
     return plan;
 }

@@ -214,7 +214,6 @@ EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, c
     if (found.empty() || !can_look_around(region, support.radius)) return support;
     const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel, time);
     const SurfaceCoverage coverage = neighbourhood.coverage();
-    support.something_hidden = coverage.something_hidden;
     if (coverage.something_hidden)
         std::erase_if(found, [&](const WeightedPhoton& p) { return !neighbourhood.sees(map.position(p.first)); });
     if (coverage.share != 1.0f)

@@ -92,6 +92,12 @@ public:
     {
         tree_.for_each_within(region.disc(), radius * radius, NormalFilter{normal_.data(), region}, visit);
     }
+    // Those whose own limit exceeds their distance.
+    template <class Visitor>
+    void for_each_reaching(const SurfaceRegion& region, const PointLimits& limits, Visitor&& visit) const
+    {
+        tree_.for_each_reaching(region.disc(), limits, NormalFilter{normal_.data(), region}, visit);
+    }
     void find_nearest_on_surface(const SurfaceRegion& region, float max_radius, NearestPoints& result) const
     {
         tree_.find_nearest(region.disc(), max_radius * max_radius, NormalFilter{normal_.data(), region}, result);

@@ -51,6 +51,24 @@ struct DiscRegion {
     }
 };
 
+// For each point of a tree a distance of its own, which the places that ask for it must not exceed.
+class PointLimits {
+public:
+    PointLimits() = default;
+    bool empty() const { return slots_.empty(); }
+    float squared(uint32_t slot) const { return slots_[slot]; }
+    size_t memory_bytes() const { return slots_.size() * sizeof(float) + nodes_.size() * sizeof(nodes_[0]); }
+
+private:
+    friend class PointTree;
+
+    Float8 of_children(uint32_t node) const { return Float8::load(nodes_[node].data()); }
+    Float8 of_leaf(uint32_t leaf) const { return Float8::load(&slots_[size_t{leaf} * 8]); }
+
+    std::vector<float> slots_;                 // squared, padded to whole leaves
+    std::vector<std::array<float, 8>> nodes_;  // the largest below each child
+};
+
 // The filter that takes every point.
 struct AcceptAll {
     uint32_t operator()(uint32_t) const { return 0xffu; }
@@ -79,6 +97,13 @@ public:
     // order. accept(leaf) returns a mask of eight bits for the slots 8 leaf to 8 leaf + 7.
     template <class Region, class Accept, class Visitor>
     void for_each_within(const Region& region, float radius_squared, const Accept& accept, Visitor&& visit) const;
+
+    // The same for each accepted point whose own limit exceeds its distance.
+    template <class Region, class Accept, class Visitor>
+    void for_each_reaching(const Region& region, const PointLimits& limits, const Accept& accept,
+                           Visitor&& visit) const;
+    // Of distances squared, by slot.
+    PointLimits limits(std::vector<float> distances_squared) const;
 
     // Fills `result` with the result.k() nearest accepted points with distance below sqrt(max_distance_squared).
     template <class Region, class Accept>
@@ -111,7 +136,12 @@ private:
         }
     };
 
-    const Node& node(int level, uint32_t i) const { return nodes_[level_begin_[static_cast<size_t>(level)] + i]; }
+    uint32_t node_index(int level, uint32_t i) const { return level_begin_[static_cast<size_t>(level)] + i; }
+    const Node& node(int level, uint32_t i) const { return nodes_[node_index(level, i)]; }
+    // limit_of_children(node) and limit_of_leaf(leaf) return squared distances.
+    template <class Region, class ChildLimit, class LeafLimit, class Accept, class Visitor>
+    void visit_below(const Region& region, const ChildLimit& limit_of_children, const LeafLimit& limit_of_leaf,
+                     const Accept& accept, Visitor&& visit) const;
     void prefetch_child(int level, uint32_t child) const
     {
         const char* p = level > 0 ? reinterpret_cast<const char*>(&node(level - 1, child))
@@ -131,17 +161,34 @@ private:
 template <class Region, class Accept, class Visitor>
 void PointTree::for_each_within(const Region& region, float radius_squared, const Accept& accept, Visitor&& visit) const
 {
+    const auto limit = [all = Float8::all(radius_squared)](uint32_t) { return all; };
+    visit_below(region, limit, limit, accept, visit);
+}
+
+template <class Region, class Accept, class Visitor>
+void PointTree::for_each_reaching(const Region& region, const PointLimits& limits, const Accept& accept,
+                                  Visitor&& visit) const
+{
+    visit_below(
+        region, [&](uint32_t node) { return limits.of_children(node); },
+        [&](uint32_t leaf) { return limits.of_leaf(leaf); }, accept, visit);
+}
+
+template <class Region, class ChildLimit, class LeafLimit, class Accept, class Visitor>
+void PointTree::visit_below(const Region& region, const ChildLimit& limit_of_children, const LeafLimit& limit_of_leaf,
+                            const Accept& accept, Visitor&& visit) const
+{
     if (size_ == 0) return;
     struct Open {
         uint32_t first_child;
         uint32_t mask;  // children still to visit
     };
-    const Float8 limit = Float8::all(radius_squared);
     HitBuffer hits;
     Open stack[max_levels];
     int level = levels_ - 1;
     const auto open = [&](uint32_t i) {
-        const uint32_t mask = less_mask(node(level, i).distance_squared(region.center), limit);
+        const uint32_t mask =
+            less_mask(node(level, i).distance_squared(region.center), limit_of_children(node_index(level, i)));
         stack[level] = {i * 8, mask};
         for (uint32_t m = mask; m != 0; m &= m - 1)
             prefetch_child(level, i * 8 + static_cast<uint32_t>(std::countr_zero(m)));
@@ -161,7 +208,7 @@ void PointTree::for_each_within(const Region& region, float radius_squared, cons
         }
         const Block& block = blocks_[child];
         const Float8 d = region.distance_squared(Float8::load(block.x), Float8::load(block.y), Float8::load(block.z));
-        uint32_t mask = less_mask(d, limit);
+        uint32_t mask = less_mask(d, limit_of_leaf(child));
         if (mask == 0) continue;
         mask &= accept(child);
         hits.add(d, child * leaf_size, mask, visit);

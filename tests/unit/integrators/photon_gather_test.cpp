@@ -70,22 +70,29 @@ PhotonMap photons_of_wall(uint32_t trial, double mean, double irradiance)
     return PhotonMap(std::move(batches), 1);
 }
 
-// Where the rays land, so that most find a record.
-std::vector<SurfacePlace> places_of_wall(uint32_t trial)
+// They fall as the photons do.
+std::vector<SurfacePlace> places_of_wall(uint32_t trial, double mean)
 {
-    RandomStream random(4, 1, trial);
+    const PhotonMap fallen = photons_of_wall(trial + 1000000, mean, 1.0);
     std::vector<SurfacePlace> places;
-    for (int i = 0; i < 96; ++i) {
-        const Vec3 spot(0.0f, -1.6f + 0.45f * float(i % 8), i / 8 % 2 ? 0.5f : 1.5f);
-        places.push_back(
-            {spot + Vec3(0.0f, 0.1f * random.next() - 0.05f, 0.1f * random.next() - 0.05f), Vec3(1, 0, 0)});
-    }
+    for (uint32_t slot = 0; slot < fallen.size(); ++slot) places.push_back({fallen.position(slot), Vec3(1, 0, 0)});
     return places;
 }
 
-// Every ray brings reflectance / pi times the irradiance, whether the map says so or direct light, where the photons
-// are too few. Were the map asked wherever k photons are near enough, the mean would be too bright by the chance that
-// there are k - 1: up to 15 % here.
+IrradianceMap irradiance_of_wall(const World& world, const PhotonMapSet& maps)
+{
+    return IrradianceMap(maps.places, 0.35f, [&](const SurfacePlace& place) {
+        PlaceIrradiance irradiance;
+        std::vector<WeightedPhoton> found;
+        maps.discs.find(world, maps.global, {place.position, place.normal}, found);
+        for (const auto& [photon, weight] : found) irradiance.irradiance += maps.global.flux(photon) * weight;
+        return irradiance;
+    });
+}
+
+// Every ray brings reflectance / pi times the irradiance, whether the map says so or direct light, where estimates are
+// too wide. Were the map asked wherever k of its own photons are near enough, the mean would be up to 15 % too bright
+// here.
 TEST(PhotonGather, DoesNotFavourDensePhotons)
 {
     const auto world = sunlit_wall();
@@ -98,18 +105,18 @@ TEST(PhotonGather, DoesNotFavourDensePhotons)
     const double irradiance = sampled / rays * pi / static_cast<double>(reflectance);
 
     constexpr uint32_t trials = 600;
-    const Bandwidth bandwidth{nearest, infinity, KernelKind::constant};
-    const FindPhotons find = [&](const PhotonMap& map, const SurfaceRegion& region, NearestPoints& scratch,
-                                 std::vector<WeightedPhoton>& found) {
-        return find_covered_photons(*world, map, region, bandwidth, scratch, found);
-    };
+    Statistics statistics;
+    const PassContext context{*world, 0, 0, statistics};
     for (const bool precomputed : {false, true})
         for (const double mean : {400.0, 850.0, 1700.0}) {
             double sum = 0.0, squares = 0.0;
             for (uint32_t trial = 0; trial < trials; ++trial) {
                 maps.global = photons_of_wall(trial, mean, irradiance);
-                maps.irradiance =
-                    precomputed ? IrradianceMap(maps.global, places_of_wall(trial), nearest, find) : IrradianceMap();
+                maps.places = SurfacePlaces(places_of_wall(trial, mean / 4), nearest / 4);
+                maps.discs = PhotonDiscs(context, maps.global,
+                                         SurfacePlaces(places_of_wall(trial + 500000, mean / 4), nearest / 4),
+                                         KernelKind::constant, 0.5f);
+                maps.irradiance = precomputed ? irradiance_of_wall(*world, maps) : IrradianceMap();
                 const double ratio = gathered(*world, maps, trial) / sampled;
                 sum += ratio;
                 squares += ratio * ratio;

@@ -95,13 +95,17 @@ TEST(PhotonMaps, AnEpochDependsOnItsNumberAlone)
     PhotonMapPlan plan;
     plan.global_paths = 20000;
     plan.precompute_irradiance = true;
-    plan.irradiance_bandwidth = {50, infinity, KernelKind::constant};
+    plan.nearest = 50;
+    int records = 0;
     const auto digest = [&](uint32_t epoch) {
         uint64_t hash = 0;
         for (const PhotonMapSet& set : trace_photon_maps(context, ColorModel::spectral, plan, epoch))
             for (uint32_t slot = 0; slot < set.global.size(); ++slot) {
                 const Photon photon = set.global.photon(slot);
                 hash = hash_words(hash, float_bits(photon.position.x), float_bits(photon.flux[1]));
+                const IrradianceRecord* record = set.irradiance.nearest(set.places, photon.position, photon.normal);
+                if (record) hash = hash_words(hash, float_bits(record->irradiance[1]), float_bits(record->reach));
+                records += record != nullptr;
             }
         return hash;
     };
@@ -112,6 +116,7 @@ TEST(PhotonMaps, AnEpochDependsOnItsNumberAlone)
     digest(2);
     EXPECT_EQ(digest(3), alone);
     EXPECT_NE(digest(2), alone);
+    EXPECT_GT(records, 10000);
     set_thread_count(threads);
 }
 

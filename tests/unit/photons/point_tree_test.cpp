@@ -65,6 +65,32 @@ TEST(PointTree, RangeQueriesFindWhatBruteForceFinds)
     }
 }
 
+TEST(PointTree, LimitsOfTheirOwnKeepPointsFarOff)
+{
+    for (const NamedCloud& cloud : test_clouds()) {
+        const BuiltTree built(cloud.points);
+        const Box3 bounds = built.tree.bounds();
+        const float extent = cloud.points.empty() ? 0.0f : length(bounds.max - bounds.min);
+        // From none to nearly all of the cloud.
+        std::vector<float> squared(cloud.points.size());
+        for (uint32_t slot = 0; slot < built.tree.size(); ++slot)
+            squared[slot] = sqr(extent * std::pow(10.0f, -4.0f * uniform_number(slot, 9)));
+        const PointLimits limits = built.tree.limits(squared);
+        for (const Vec3& q : test_queries(cloud.points)) {
+            std::vector<uint32_t> found, expected;
+            built.tree.for_each_reaching(BallRegion{q}, limits, AcceptAll{}, [&](uint32_t slot, float d) {
+                found.push_back(slot);
+                EXPECT_EQ(d, distance_squared_between(built.tree.position(slot), q));
+                EXPECT_EQ(limits.squared(slot), squared[slot]);
+            });
+            for (uint32_t slot = 0; slot < built.tree.size(); ++slot)
+                if (distance_squared_between(built.tree.position(slot), q) < squared[slot]) expected.push_back(slot);
+            std::sort(found.begin(), found.end());
+            EXPECT_EQ(found, expected) << cloud.name;
+        }
+    }
+}
+
 TEST(PointTree, NearestQueriesFindTheSmallestDistances)
 {
     for (const NamedCloud& cloud : test_clouds()) {

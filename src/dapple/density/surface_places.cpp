@@ -1,0 +1,83 @@
+#include "dapple/density/surface_places.h"
+
+namespace dapple {
+namespace {
+
+constexpr uint32_t leaf_size = PointTree::leaf_size;
+
+size_t normal_index(uint32_t slot, uint32_t axis)
+{
+    return slot / leaf_size * leaf_size * 3 + axis * leaf_size + slot % leaf_size;
+}
+
+// Scratch space of the thread, not a result.
+NearestPoints& nearest_points(int k)
+{
+    thread_local NearestPoints one(1), several(2);
+    if (k == 1) return one;
+    if (several.k() != k) several = NearestPoints(k);
+    return several;
+}
+
+}  // namespace
+
+// The filter of a region (SurfaceRegion::takes), eight places at a time.
+struct SurfacePlaces::OnSurface {
+    const float* normals;
+    const SurfaceRegion& region;
+
+    uint32_t operator()(uint32_t leaf) const
+    {
+        const float* n = normals + size_t{leaf} * leaf_size * 3;
+        Float8 cosine = Float8::load(n) * Float8::all(region.normal.x) +
+                        Float8::load(n + leaf_size) * Float8::all(region.normal.y) +
+                        Float8::load(n + 2 * leaf_size) * Float8::all(region.normal.z);
+        if (region.side == PhotonSide::opposite) cosine = Float8::all(0.0f) - cosine;
+        if (region.side == PhotonSide::both) cosine = abs(cosine);
+        return less_mask(Float8::all(region.min_normal_cosine), cosine);
+    }
+};
+
+SurfacePlaces::SurfacePlaces(const std::vector<SurfacePlace>& places, int places_per_disc, float scale)
+    : per_disc_(std::max(places_per_disc, 2)), scale_(scale)
+{
+    std::vector<Vec3> positions;
+    positions.reserve(places.size());
+    for (const SurfacePlace& place : places) positions.push_back(place.position);
+    std::vector<uint32_t> order;
+    tree_ = PointTree(positions, order);
+    normals_.resize((order.size() + leaf_size - 1) / leaf_size * leaf_size * 3);
+    for (uint32_t slot = 0; slot < size(); ++slot)
+        for (uint32_t axis = 0; axis < 3; ++axis)
+            normals_[normal_index(slot, axis)] = places[order[slot]].normal[static_cast<int>(axis)];
+}
+
+SurfacePlace SurfacePlaces::place(uint32_t slot) const
+{
+    const auto normal = [&](uint32_t axis) { return normals_[normal_index(slot, axis)]; };
+    return {tree_.position(slot), Vec3(normal(0), normal(1), normal(2))};
+}
+
+float SurfacePlaces::radius_at(const SurfaceRegion& region) const
+{
+    NearestPoints& nearest = nearest_points(per_disc_);
+    tree_.find_nearest(region.disc(), infinity, OnSurface{normals_.data(), region}, nearest);
+    if (2 * nearest.count() < per_disc_) return infinity;
+    // Places that coincide would make it 0.
+    const float least = 1e-6f * std::max(max_component(abs(region.position)), 1e-6f);
+    return scale_ * std::max(std::sqrt(nearest.distance_squared(nearest.farthest())), least);
+}
+
+bool SurfacePlaces::nearest(const Vec3& position, const Vec3& normal, float max_distance, uint32_t& slot,
+                            float& distance_squared) const
+{
+    NearestPoints& nearest = nearest_points(1);
+    const SurfaceRegion region{position, normal};
+    tree_.find_nearest(region.disc(), sqr(max_distance), OnSurface{normals_.data(), region}, nearest);
+    if (nearest.count() == 0) return false;
+    slot = nearest.index(0);
+    distance_squared = nearest.distance_squared(0);
+    return true;
+}
+
+}  // namespace dapple
