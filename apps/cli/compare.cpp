@@ -120,11 +120,12 @@ int compare(const Options& options)
     const Image test = read(options.test, options.layer);
     const Image reference = read(options.reference, options.layer);
     const auto size = [](const Image& image) {
-        return fmt::format("{} x {} pixels of {}", image.width, image.height, counted(size_t(image.channels), "channel"));
+        return fmt::format("{} x {} pixels of {}", image.width, image.height,
+                           counted(size_t(image.channels), "channel"));
     };
     if (size(test) != size(reference))
-        throw UserError(fmt::format("'{}' has {}, but '{}' has {}", options.test, size(test), options.reference,
-                                    size(reference)));
+        throw UserError(
+            fmt::format("'{}' has {}, but '{}' has {}", options.test, size(test), options.reference, size(reference)));
     const CompareOptions limits{options.clamp};
     const ImageComparison comparison = compare_images(test, reference, limits);
 

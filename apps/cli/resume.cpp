@@ -87,7 +87,8 @@ Command add_resume(CLI::App& app)
     CLI::App* parser = app.add_subcommand("resume", "go on with a render from its checkpoint");
     parser->footer(examples);
     parser->add_option("checkpoint", asked->file, "a .dapple file")->required();
-    parser->add_option("-o,--output", asked->changes.outputs, "another file; -o again for one more")->allow_extra_args(false);
+    parser->add_option("-o,--output", asked->changes.outputs, "another file; -o again for one more")
+        ->allow_extra_args(false);
     parser->add_option("--scene", asked->changes.scene, "where the scene is now, if it was moved");
     add_stop_options(*parser, asked->changes);
     add_look_options(*parser, asked->changes);

@@ -19,7 +19,7 @@ struct IrradianceRecord {
 
 // What is estimated at a place.
 struct PlaceIrradiance {
-    Spectrum irradiance;           // [W/m^2]
+    Spectrum irradiance;            // [W/m^2]
     bool something_hidden = false;  // what lies behind something was left out: the record speaks for no other place
 };
 

@@ -27,8 +27,7 @@ PhotonDiscs::PhotonDiscs(const PassContext& context, const PhotonMap& map, const
         RandomStream random(
             hash_words(float_bits(region.position.x), float_bits(region.position.y), float_bits(region.position.z)), 0,
             slot);
-        const SampledCoverage coverage =
-            sample_coverage(context.world, region, radius, kernel, time, random);
+        const SampledCoverage coverage = sample_coverage(context.world, region, radius, kernel, time, random);
         coverage_[slot] = static_cast<uint8_t>(coverage.inverse) | (coverage.obstructed ? obstructed_bit : uint8_t(0));
     });
     radii_ = map.tree().limits(std::move(squared));

@@ -1,8 +1,8 @@
-// The discs over which the photons of a map spread their flux: how wide each is (density/surface_places.h), and how much
-// of it there is to be lit. Near an edge or a corner part of a disc lies off the surface, and behind a wall it belongs
-// to another room: the photon's flux goes to what is left. So a photon's flux arrives, all of it and no more, on
-// average. Bias: blur, and within a radius of an edge light moves inwards (evenly lit, it has 0.7 of its light in the
-// outermost fifth of a radius, and the rest further in).
+// The discs over which the photons of a map spread their flux: how wide each is (density/surface_places.h), and how
+// much of it there is to be lit. Near an edge or a corner part of a disc lies off the surface, and behind a wall it
+// belongs to another room: the photon's flux goes to what is left. So a photon's flux arrives, all of it and no more,
+// on average. Bias: blur, and within a radius of an edge light moves inwards (evenly lit, it has 0.7 of its light in
+// the outermost fifth of a radius, and the rest further in).
 //
 // How much is left is found by chance, as for visible points: a number with the mean 1 / share (surface_coverage.h).
 // Only photons that something may hide are asked whether they are seen. Cost: one search and four short rays per

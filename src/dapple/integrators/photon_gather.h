@@ -265,9 +265,8 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
         }
     }
     const bool own_discs = settings_.nearest > 0;
-    const float radius =
-        own_discs ? maps_.places.radius_at(surface_region(vertex.at.position, vertex.bsdf, vertex.wo))
-                  : caustic_radius();
+    const float radius = own_discs ? maps_.places.radius_at(surface_region(vertex.at.position, vertex.bsdf, vertex.wo))
+                                   : caustic_radius();
     if (radius >= since_last) return false;
     if (own_discs)
         finder_.find(world_, vertex, maps_.global, maps_.discs);

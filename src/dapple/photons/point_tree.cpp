@@ -300,9 +300,9 @@ PointLimits PointTree::limits(std::vector<float> distances_squared) const
     limits.nodes_.resize(nodes_.size());
     const auto largest = [](const float* first) { return *std::max_element(first, first + 8); };
     for (int level = 0; level < levels_; ++level) {
-        const auto children = static_cast<uint32_t>(
-            level == 0 ? blocks_.size()
-                       : level_begin_[static_cast<size_t>(level)] - level_begin_[static_cast<size_t>(level) - 1]);
+        const auto children = static_cast<uint32_t>(level == 0 ? blocks_.size()
+                                                               : level_begin_[static_cast<size_t>(level)] -
+                                                                     level_begin_[static_cast<size_t>(level) - 1]);
         for (uint32_t child = 0; child < children; ++child)
             limits.nodes_[node_index(level, child / 8)][child % 8] =
                 largest(level == 0 ? &limits.slots_[size_t{child} * leaf_size]

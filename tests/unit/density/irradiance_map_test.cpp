@@ -56,8 +56,8 @@ float irradiance_at(const PhotonMap& photons, const PointLimits& radii, const Su
 }
 
 // What readers get, who search where no record reaches, has the mean of searches alone, and both that of the light:
-// records know nothing of how many photons lie near their reader, nor how wide these reach. With radii from the records'
-// own places they would be 1.3 % too dark.
+// records know nothing of how many photons lie near their reader, nor how wide these reach. With radii from the
+// records' own places they would be 1.3 % too dark.
 TEST(IrradianceMap, HasTheMeanOfSearches)
 {
     constexpr int maps = 24;

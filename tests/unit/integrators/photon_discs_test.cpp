@@ -14,8 +14,7 @@ std::unique_ptr<World> square_with_wall()
 {
     test::SmallScene scene;
     scene::MeshData mesh;
-    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0},  {-1, 1, 0},
-                      {-1, 0, 0},  {1, 0, 0},  {1, 0, 1}, {-1, 0, 1}};
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {-1, 0, 1}};
     mesh.triangles = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
     scene.shape(scene::Mesh{std::make_shared<scene::MeshData>(std::move(mesh))},
                 scene.material(scene::DiffuseMaterial{scene::SpectrumInput(0.5f)}));
