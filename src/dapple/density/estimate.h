@@ -61,9 +61,6 @@ struct RadianceEstimate {
 
 namespace detail {
 
-// The least radius of a k-nearest estimate: photons that coincide would make it 0.
-inline float least_radius(const Vec3& p) { return 1e-6f * std::max(max_component(abs(p)), 1e-6f); }
-
 template <class Visitor>
 EstimateSupport visit_within(const PhotonMap& map, const SurfaceRegion& region, KernelKind kernel, float radius,
                              Visitor&& visit)
@@ -122,7 +119,7 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
     if (nearest.count() == nearest.k()) {
         left_out = nearest.farthest();
         const float least =
-            std::min(std::max(detail::least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
+            std::min(std::max(least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
         if (nearest.distance_squared(left_out) < sqr(least))
             return detail::visit_within(map, region, bandwidth.kernel, least, visit);
         radius_squared = std::max(detail::even_radius_squared(nearest, left_out), sqr(least));
@@ -130,7 +127,7 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.
         if (nearest.count() < 2) return {};
         left_out = nearest.farthest();
-        radius_squared = std::max(nearest.distance_squared(left_out), sqr(detail::least_radius(region.position)));
+        radius_squared = std::max(nearest.distance_squared(left_out), sqr(least_radius(region.position)));
     }
     support.radius = std::sqrt(radius_squared);
     const float inv_radius = 1.0f / support.radius;
@@ -147,7 +144,7 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
 }
 
 // The same where each photon has a radius of its own, over which it spreads its flux (surface_places.h): no flux
-// is made or lost, whatever the radii.
+// is made or lost on a plane, whatever the radii.
 template <class Visitor>
 void visit_reaching(const PhotonMap& map, const PointLimits& radii, const SurfaceRegion& region, KernelKind kernel,
                     Visitor&& visit)
@@ -173,7 +170,7 @@ RadianceEstimate estimate_radiance(const PhotonMap& map, const SurfaceRegion& re
     return estimate;
 }
 
-// Irradiance [W/m^2] that arrives on the side(s) of the region, for precomputed irradiance.
+// Irradiance [W/m^2] that arrives on the side(s) of the region.
 inline RadianceEstimate estimate_irradiance(const PhotonMap& map, const SurfaceRegion& region,
                                             const Bandwidth& bandwidth, NearestPoints& nearest)
 {

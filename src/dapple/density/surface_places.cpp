@@ -10,15 +10,6 @@ size_t normal_index(uint32_t slot, uint32_t axis)
     return slot / leaf_size * leaf_size * 3 + axis * leaf_size + slot % leaf_size;
 }
 
-// Scratch space of the thread, not a result.
-NearestPoints& nearest_points(int k)
-{
-    thread_local NearestPoints one(1), several(2);
-    if (k == 1) return one;
-    if (several.k() != k) several = NearestPoints(k);
-    return several;
-}
-
 }  // namespace
 
 // The filter of a region (SurfaceRegion::takes), eight places at a time.
@@ -58,20 +49,19 @@ SurfacePlace SurfacePlaces::place(uint32_t slot) const
     return {tree_.position(slot), Vec3(normal(0), normal(1), normal(2))};
 }
 
-float SurfacePlaces::radius_at(const SurfaceRegion& region) const
+float SurfacePlaces::radius_at(const SurfaceRegion& region, float limit) const
 {
-    NearestPoints& nearest = nearest_points(per_disc_);
-    tree_.find_nearest(region.disc(), infinity, OnSurface{normals_.data(), region}, nearest);
-    if (2 * nearest.count() < per_disc_) return infinity;
-    // Places that coincide would make it 0.
-    const float least = 1e-6f * std::max(max_component(abs(region.position)), 1e-6f);
-    return scale_ * std::max(std::sqrt(nearest.distance_squared(nearest.farthest())), least);
+    NearestPoints& nearest = thread_nearest_points(per_disc_);
+    tree_.find_nearest(region.disc(), sqr(limit / scale_), OnSurface{normals_.data(), region}, nearest);
+    // Fewer are a reason to doubt, or those beyond the limit are not there.
+    if (limit < infinity ? nearest.count() < per_disc_ : 2 * nearest.count() < per_disc_) return infinity;
+    return scale_ * std::max(std::sqrt(nearest.distance_squared(nearest.farthest())), least_radius(region.position));
 }
 
 bool SurfacePlaces::nearest(const Vec3& position, const Vec3& normal, float max_distance, uint32_t& slot,
                             float& distance_squared) const
 {
-    NearestPoints& nearest = nearest_points(1);
+    NearestPoints& nearest = thread_nearest_points(1);
     const SurfaceRegion region{position, normal};
     tree_.find_nearest(region.disc(), sqr(max_distance), OnSurface{normals_.data(), region}, nearest);
     if (nearest.count() == 0) return false;

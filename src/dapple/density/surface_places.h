@@ -9,7 +9,8 @@
 //
 // A radius found among the photons themselves would go with their noise: narrow where they happen to lie dense. So it
 // is found among the places where a few further light paths meet surfaces, which are spread as photons are, but know
-// nothing of these. What asks for radii may decide by them, then, without favouring bright or dark estimates.
+// nothing of these. What asks whether estimates are narrow enough may decide by yet other places, without favouring
+// bright estimates or dark ones. (By the same ones, it would find itself where photons' discs are wide.)
 #pragma once
 
 #include "dapple/photons/photon_map.h"
@@ -37,8 +38,9 @@ public:
     SurfacePlace place(uint32_t slot) const;
 
     // The radius of an estimate there [m], above 0: that of the disc that just holds places_per_disc places of the
-    // surface, or all there are, times the scale. Infinite where there are not half as many.
-    float radius_at(const SurfaceRegion& region) const;
+    // surface, or all there are, times the scale. Infinite where there are not half as many, or where it is not below
+    // the limit. At one of the places it counts itself.
+    float radius_at(const SurfaceRegion& region, float limit = infinity) const;
 
     // Slot and squared distance of the place nearest to a point, on the side of the normal; false: there is none
     // nearer than max_distance.

@@ -91,7 +91,7 @@ public:
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines = epochs_.report();
-        lines.push_back(gather_settings_.describe());
+        lines.push_back(gather_settings_.describe(true));
         lines.push_back(fmt::format("irradiance cached to an accuracy of {}, {} gather rays per record",
                                     overture_.accuracy, overture_.rays));
         return lines;

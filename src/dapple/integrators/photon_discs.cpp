@@ -1,5 +1,6 @@
 #include "dapple/integrators/photon_discs.h"
 
+#include "dapple/base/assert.h"
 #include "dapple/base/parallel.h"
 #include "dapple/math/hash.h"
 
@@ -33,22 +34,22 @@ PhotonDiscs::PhotonDiscs(const PassContext& context, const PhotonMap& map, const
     radii_ = map.tree().limits(std::move(squared));
 }
 
-PhotonDiscs::Found PhotonDiscs::find(const World& world, const PhotonMap& map, const SurfaceRegion& region,
-                                     std::vector<WeightedPhoton>& found) const
+bool PhotonDiscs::find(const World& world, const PhotonMap& map, const SurfaceRegion& region,
+                       std::vector<WeightedPhoton>& found) const
 {
+    DAPPLE_ASSERT(coverage_.size() == map.size());
     found.clear();
     visit_reaching(map, radii_, region, kernel_, [&](uint32_t slot, float weight) {
         found.push_back({slot, weight * static_cast<float>(coverage_[slot] & ~obstructed_bit)});
     });
-    const size_t reaching = found.size();
-    if (region.side != PhotonSide::both)
-        std::erase_if(found, [&](const WeightedPhoton& photon) {
-            const uint32_t slot = photon.first;
-            return (coverage_[slot] & obstructed_bit) != 0 &&
-                   !sees_along_surface(world, {map.position(slot), map.normal(slot)}, std::sqrt(radii_.squared(slot)),
-                                       region.position, time_);
-        });
-    return {found.size() < reaching};
+    // As the share was found: what a photon does not see of its disc has no part of its flux.
+    const size_t hidden = std::erase_if(found, [&](const WeightedPhoton& photon) {
+        const uint32_t slot = photon.first;
+        return (coverage_[slot] & obstructed_bit) != 0 &&
+               !sees_along_surface(world, {map.position(slot), map.normal(slot)}, std::sqrt(radii_.squared(slot)),
+                                   region.position, time_);
+    });
+    return hidden > 0;
 }
 
 }  // namespace dapple

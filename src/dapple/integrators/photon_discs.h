@@ -1,8 +1,9 @@
 // The discs over which the photons of a map spread their flux: how wide each is (density/surface_places.h), and how
 // much of it there is to be lit. Near an edge or a corner part of a disc lies off the surface, and behind a wall it
 // belongs to another room: the photon's flux goes to what is left. So a photon's flux arrives, all of it and no more,
-// on average. Bias: blur, and within a radius of an edge light moves inwards (evenly lit, it has 0.7 of its light in
-// the outermost fifth of a radius, and the rest further in).
+// on average; less only where under a tenth of the disc is left (surface_coverage.h). Bias: blur, and within a radius
+// of an edge light moves inwards (evenly lit, the outermost fifth of a radius has 0.7 of its light, and the rest is
+// further in).
 //
 // How much is left is found by chance, as for visible points: a number with the mean 1 / share (surface_coverage.h).
 // Only photons that something may hide are asked whether they are seen. Cost: one search and four short rays per
@@ -25,12 +26,10 @@ public:
     PhotonDiscs(const PassContext& context, const PhotonMap& map, const SurfacePlaces& places, KernelKind kernel,
                 float time);
 
-    struct Found {
-        bool something_hidden = false;  // photons were left out that something hides
-    };
-    // The photons whose discs reach a place, with their weights [1/m^2]. Replaces the contents of `found`.
-    Found find(const World& world, const PhotonMap& map, const SurfaceRegion& region,
-               std::vector<WeightedPhoton>& found) const;
+    // The photons whose discs reach a place, with their weights [1/m^2]; `map` is that which the discs were made of.
+    // Replaces the contents of `found`. Returns whether photons were left out that something hides.
+    bool find(const World& world, const PhotonMap& map, const SurfaceRegion& region,
+              std::vector<WeightedPhoton>& found) const;
 
     size_t memory_bytes() const { return radii_.memory_bytes() + coverage_.size(); }
 

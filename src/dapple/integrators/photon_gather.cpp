@@ -18,27 +18,17 @@ GatherSettings::GatherSettings(const Settings& settings)
     if (nearest == 1) throw UserError("setting 'nearest' needs 0 or at least 2 photons");
 }
 
-std::string GatherSettings::describe() const
+std::string GatherSettings::describe(bool final_gather) const
 {
+    std::string other = "those within that radius, too";
+    if (nearest > 0)
+        other = final_gather ? fmt::format("discs of about {}, narrower from epoch to epoch", nearest)
+                             : fmt::format("the {} nearest", nearest);
     return fmt::format(
         "caustics: photons within {} in the first epoch; other light: {}; {} kernel",
-        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} px", radius_pixels),
-        nearest > 0 ? fmt::format("the {} nearest", nearest) : "those within that radius, too",
+        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} px", radius_pixels), other,
         kernel_names[static_cast<size_t>(kernel)]);
 }
-
-namespace {
-
-// Scratch space of the thread for each k that is asked for: two or three in a render.
-NearestPoints& nearest_points(int k)
-{
-    thread_local std::vector<NearestPoints> all;
-    for (NearestPoints& nearest : all)
-        if (nearest.k() == std::max(k, 1)) return nearest;
-    return all.emplace_back(k);
-}
-
-}  // namespace
 
 std::vector<WeightedPhoton>& PhotonFinder::scratch()
 {
@@ -50,13 +40,13 @@ EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, con
                                    const Bandwidth& bandwidth)
 {
     const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
-    return find_covered_photons(world, map, region, bandwidth, nearest_points(bandwidth.nearest), found_,
+    return find_covered_photons(world, map, region, bandwidth, thread_nearest_points(bandwidth.nearest), found_,
                                 vertex.at.time);
 }
 
-void PhotonFinder::find(const World& world, const Vertex& vertex, const PhotonMap& map, const PhotonDiscs& discs)
+void PhotonFinder::find(const World& world, const SurfaceRegion& region, const PhotonMap& map, const PhotonDiscs& discs)
 {
-    discs.find(world, map, surface_region(vertex.at.position, vertex.bsdf, vertex.wo), found_);
+    discs.find(world, map, region, found_);
 }
 
 }  // namespace dapple

@@ -43,7 +43,7 @@ struct GatherSettings {
         return {caustic_nearest, radius * caustic_growth, kernel, radius};
     }
     // One line for reports.
-    std::string describe() const;
+    std::string describe(bool final_gather) const;
 };
 
 // Finds the photons of estimates. Uses scratch space of the thread, so that there is one finder per thread at a time.
@@ -53,7 +53,7 @@ public:
     // for edges of the surface.
     EstimateSupport find(const World& world, const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
     // The same for photons that have discs of their own.
-    void find(const World& world, const Vertex& vertex, const PhotonMap& map, const PhotonDiscs& discs);
+    void find(const World& world, const SurfaceRegion& region, const PhotonMap& map, const PhotonDiscs& discs);
     const std::vector<WeightedPhoton>& found() const { return found_; }
 
 private:
@@ -264,14 +264,14 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
             return true;
         }
     }
-    const bool own_discs = settings_.nearest > 0;
-    const float radius = own_discs ? maps_.places.radius_at(surface_region(vertex.at.position, vertex.bsdf, vertex.wo))
-                                   : caustic_radius();
-    if (radius >= since_last) return false;
-    if (own_discs)
-        finder_.find(world_, vertex, maps_.global, maps_.discs);
-    else
-        finder_.find(world_, vertex, maps_.global, settings_.global_bandwidth(radius));
+    if (settings_.nearest == 0) {
+        if (caustic_radius() >= since_last) return false;
+        finder_.find(world_, vertex, maps_.global, settings_.global_bandwidth(caustic_radius()));
+    } else {
+        const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
+        if (maps_.places.radius_at(region, since_last) >= since_last) return false;
+        finder_.find(world_, region, maps_.global, maps_.discs);
+    }
     add_photons(walk, maps_.global);
     return true;
 }

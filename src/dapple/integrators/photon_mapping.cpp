@@ -10,7 +10,7 @@
 //                           (photon_gather.h).
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
-// Progressive: passes are grouped into epochs; each epoch traces new maps, with radii of
+// Progressive: passes are grouped into epochs; each epoch traces new maps, with caustic radii of
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
 // footprints. Bias: the blur of caustics and, one bounce away, of the global map; both vanish with passes. Direct light
 // is exact. Without final gathering the estimates take the k nearest photons, whose bias falls with photons per epoch
@@ -75,7 +75,7 @@ public:
     std::vector<std::string> report() const override
     {
         std::vector<std::string> lines = epochs_.report();
-        lines.push_back(gather_settings_.describe());
+        lines.push_back(gather_settings_.describe(final_gather_));
         lines.push_back(final_gather_ ? fmt::format("final gathering, rays per eye path: {}", gather_rays_)
                                       : std::string("direct visualisation of the photon maps"));
         return lines;

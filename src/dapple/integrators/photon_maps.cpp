@@ -3,7 +3,6 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/density/schedule.h"
-#include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/photon_tracing.h"
 
 namespace dapple {
@@ -12,8 +11,9 @@ namespace {
 constexpr int usual_sets = 4;
 constexpr uint32_t most_times = 64;  // of an epoch
 constexpr int photons_per_place = 4;
-constexpr float first_reach = 0.25f;  // five of nine readers find a record then, where light is even; with 0.35 four of
-                                      // five did, whose bias was twice as large
+// Of records, in radii of estimates. Where light is even, five of nine readers find a record first; with 0.35 four of
+// five did, whose bias was twice as large. With 0.125 it is a fifth of the readers: records do not pay any more.
+constexpr float first_reach = 0.25f, least_reach = 0.125f;
 
 // The caustic photons among those of the global map, batch by batch.
 std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<Photon>>& batches)
@@ -30,7 +30,8 @@ SurfacePlaces places_of(const PassContext& context, const PhotonMapPlan& plan, c
 {
     std::vector<SurfacePlace> places;
     for (const auto& batch : trace_photons(context.world, request))
-        for (const Photon& photon : batch) places.push_back({photon.position, photon.normal});
+        for (const Photon& photon : batch)
+            if (is_usable(photon)) places.push_back({photon.position, photon.normal});
     return {places, (plan.nearest + photons_per_place / 2) / photons_per_place, plan.radius_scale};
 }
 
@@ -38,12 +39,14 @@ SurfacePlaces places_of(const PassContext& context, const PhotonMapPlan& plan, c
 // alone, as long as light changes over radii (at edges of bright patches).
 IrradianceMap irradiance_of(const PassContext& context, const PhotonMapPlan& plan, const PhotonMapSet& maps)
 {
-    return IrradianceMap(maps.places, first_reach * plan.radius_scale, [&](const SurfacePlace& place) {
+    const float reach = first_reach * plan.radius_scale;
+    if (reach < least_reach) return {};
+    return IrradianceMap(maps.places, reach, [&](const SurfacePlace& place) {
         PlaceIrradiance irradiance;
         if (context.cancelled()) return irradiance;
         thread_local std::vector<WeightedPhoton> found;
         irradiance.something_hidden =
-            maps.discs.find(context.world, maps.global, {place.position, place.normal}, found).something_hidden;
+            maps.discs.find(context.world, maps.global, {place.position, place.normal}, found);
         for (const auto& [photon, weight] : found) irradiance.irradiance += maps.global.flux(photon) * weight;
         return irradiance;
     });
@@ -75,14 +78,13 @@ double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, C
         }
     const double per_path = 1.0 / static_cast<double>(request.paths);
     const double copies = plan.caustic_map ? caustic : 0.0;
-    const double stored = (photons + copies) * per_path * static_cast<double>(plan.global_paths) +
-                          copies * per_path * static_cast<double>(plan.caustic_paths);
-    // Kept: packed photons, their discs, and a quarter as many places with irradiance. While a set is built: its
-    // photons as they were traced, with room to grow, and what sorting takes (photon_map.h).
+    const double global = photons * per_path * static_cast<double>(plan.global_paths);
+    const double stored = global + copies * per_path * static_cast<double>(plan.global_paths + plan.caustic_paths);
+    // Kept: packed photons; discs of those of the global map, and a quarter as many places with irradiance. While a set
+    // is built: its photons as they were traced, with room to grow, and what sorting takes (photon_map.h).
     const double place = 28.0 + (plan.precompute_irradiance ? sizeof(IrradianceRecord) : 0);
-    const double kept = 32.0 + (plan.nearest > 0 ? 5.6 + place / photons_per_place : 0.0);
-    const double building = (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
-    return stored * (kept + building);
+    const double kept = stored * 32.0 + (plan.nearest > 0 ? global * (5.6 + place / photons_per_place) : 0.0);
+    return kept + stored * (2.0 * sizeof(Photon) + 90.0) / plan.wavelength_sets;
 }
 
 void limit_memory(PhotonMapPlan& plan, const PassContext& context, ColorModel model, int64_t bytes)

@@ -13,17 +13,18 @@
 // narrower than a tenth of the disc (wires and blades where photons are few) comes out too dark. Objects that move are
 // looked at where they are at one time.
 //
-// For estimates of which there are many (one per pixel and pass), the same by chance, for four rays where the disc is
-// whole. Points of the disc are drawn with the density of the kernel until one lies on the surface; their number N has
-// the mean 1 / share, whatever the photons are, so that N times the estimate has the right mean (the reciprocal of a
-// probability by repeated trials: Booth 2007, "Unbiased Monte Carlo estimation of the reciprocal of an integral"; in
-// photon gathering Qin et al. 2015, "Unbiased photon gathering for light transport simulation"). Where the surface is
-// curved, a point of the disc stands for more or less surface than on a plane: it ends the trials with that chance.
-// Three rays along the disc tell whether something stands on it; only then photons and trials are asked whether they
-// are seen. Noise: N has the variance (1 - share) / share^2. Bias: something that all three rays miss (beyond 0.5 of
-// the radius at the nearest, seldom before 0.7) hides nothing in that pass: light of the other side comes through with
-// what weight the kernel has out there; and surface beyond a plane's area on curved things is not counted (under 2 %
-// for radii up to 0.4 of a ball's). Both vanish with the radius, faster than the blur. Weights are never negative.
+// For estimates of which there are many (visible points of a pass, photons of a map), the same by chance, for four rays
+// where the disc is whole. Points of the disc are drawn with the density of the kernel until one lies on the surface;
+// their number N has the mean 1 / share, whatever the photons are, so that N times the estimate has the right mean (the
+// reciprocal of a probability by repeated trials: Booth 2007, "Unbiased Monte Carlo estimation of the reciprocal of an
+// integral"; in photon gathering Qin et al. 2015, "Unbiased photon gathering for light transport simulation"). Where
+// the surface is curved, a point of the disc stands for more or less surface than on a plane: it ends the trials with
+// that chance. Three rays along the disc tell whether something stands on it; only then photons and trials are asked
+// whether they are seen. Noise: N has the variance (1 - share) / share^2. Bias: something that all three rays miss
+// (beyond 0.5 of the radius at the nearest, seldom before 0.7) hides nothing in that pass: light of the other side
+// comes through with what weight the kernel has out there; and surface beyond a plane's area on curved things is not
+// counted (under 2 % for radii up to 0.4 of a ball's). Both vanish with the radius, faster than the blur. Weights are
+// never negative.
 #pragma once
 
 #include "dapple/density/estimate.h"

@@ -8,6 +8,7 @@
 #include "dapple/photons/float8.h"
 
 #include <bit>
+#include <deque>
 #include <vector>
 
 namespace dapple {
@@ -162,6 +163,15 @@ inline void NearestPoints::keep_nearest()
     }
     compact(low, k_ - below_low);
     limit_ = low;
+}
+
+// Scratch space of the thread for searches of k points, until it asks for the same k again. (A few k in a render.)
+inline NearestPoints& thread_nearest_points(int k)
+{
+    thread_local std::deque<NearestPoints> all;
+    for (NearestPoints& nearest : all)
+        if (nearest.k() == std::max(k, 1)) return nearest;
+    return all.emplace_back(k);
 }
 
 }  // namespace dapple

@@ -6,9 +6,8 @@
 #include <memory>
 
 namespace dapple {
-namespace {
 
-bool usable(const Photon& photon)
+bool is_usable(const Photon& photon)
 {
     float largest_flux = 0.0f;
     for (int i = 0; i < Spectrum::lanes; ++i) largest_flux = std::max(largest_flux, std::fabs(photon.flux[i]));
@@ -17,15 +16,13 @@ bool usable(const Photon& photon)
            length_squared(photon.direction) > 0.5f && length_squared(photon.normal) > 0.5f;
 }
 
-}  // namespace
-
 PhotonMap::PhotonMap(std::vector<std::vector<Photon>>&& batches, uint64_t emitted) : emitted_(emitted)
 {
     const auto batch_count = static_cast<int64_t>(batches.size());
     std::vector<size_t> first(batches.size() + 1, 0);
     parallel_for(batch_count, 1, [&](int64_t b) {
         const auto i = static_cast<size_t>(b);
-        first[i + 1] = static_cast<size_t>(std::count_if(batches[i].begin(), batches[i].end(), usable));
+        first[i + 1] = static_cast<size_t>(std::count_if(batches[i].begin(), batches[i].end(), is_usable));
     });
     for (size_t b = 0; b < batches.size(); ++b) {
         dropped_ += batches[b].size() - first[b + 1];
@@ -45,7 +42,7 @@ PhotonMap::PhotonMap(std::vector<std::vector<Photon>>&& batches, uint64_t emitte
         size_t to = first[static_cast<size_t>(b)];
         const std::vector<Photon> batch = std::move(batches[static_cast<size_t>(b)]);
         for (const Photon& photon : batch) {
-            if (!usable(photon)) continue;
+            if (!is_usable(photon)) continue;
             positions[to] = photon.position;
             const uint32_t direction = pack_unit<16>(photon.direction);
             packed[to] = {{{static_cast<uint16_t>(direction & 0xffffu), static_cast<uint16_t>(direction >> 16)},

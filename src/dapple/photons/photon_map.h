@@ -40,12 +40,18 @@ struct SurfaceRegion {
     }
 };
 
+// Photons that coincide would make the radius of an estimate 0.
+inline float least_radius(const Vec3& p) { return 1e-6f * std::max(max_component(abs(p)), 1e-6f); }
+
+// Whether position and flux are finite (below 1e18 m, 1e30 W), and the normal and direction are some.
+bool is_usable(const Photon& photon);
+
 class PhotonMap {
 public:
     // An empty map that knows of no emission.
     PhotonMap() = default;
     // Joins the batches in their order and sorts them. `emitted` counts all emitted light paths, also those that left
-    // no photon here. Photons with a position or flux that is not finite (or beyond 1e18 m, 1e30 W) are left out and
+    // no photon here. Photons that are not usable are left out and
     // counted. Parallel; the result depends on the photons and their order alone.
     PhotonMap(std::vector<std::vector<Photon>>&& batches, uint64_t emitted);
 
@@ -92,11 +98,18 @@ public:
     {
         tree_.for_each_within(region.disc(), radius * radius, NormalFilter{normal_.data(), region}, visit);
     }
-    // Those whose own limit exceeds their distance.
+    // Photons whose normal the region takes and whose own disc, round them and in their plane, holds its position.
     template <class Visitor>
-    void for_each_reaching(const SurfaceRegion& region, const PointLimits& limits, Visitor&& visit) const
+    void for_each_reaching(const SurfaceRegion& region, const PointLimits& radii, Visitor&& visit) const
     {
-        tree_.for_each_reaching(region.disc(), limits, NormalFilter{normal_.data(), region}, visit);
+        tree_.for_each_reaching(
+            BallRegion{region.position}, radii, NormalFilter{normal_.data(), region},
+            [&](uint32_t slot, float to_photon_squared) {
+                const float distance_squared =
+                    DiscRegion{position(slot), normal(slot), region.inverse_flatness}.distance_squared(
+                        region.position, to_photon_squared);
+                if (distance_squared < radii.squared(slot)) visit(slot, distance_squared);
+            });
     }
     void find_nearest_on_surface(const SurfaceRegion& region, float max_radius, NearestPoints& result) const
     {

@@ -1,7 +1,7 @@
 // How a photon map keeps directions, normals and fluxes.
 //  - A unit vector is projected onto an octahedron and unfolded to a square (Cigolle et al. 2014, "A survey of
 //    efficient representations for independent unit vectors"): two words of 16 bits (error below 1e-4 rad) or, for
-//    normals that are only compared with another normal, of 8 bits (error below 0.02 rad).
+//    normals that are compared with another normal or with flat discs, of 8 bits (error below 0.02 rad).
 //  - A flux is four signed mantissas of 14 bits with one exponent of 8 bits: 64 bits. The step is at most 2.5e-4 of
 //    the largest lane, and the mantissas are rounded up or down at random (by a hash of the photon's number) so that
 //    the expected value is exact: sums over many photons, even of faint lanes, have no bias.

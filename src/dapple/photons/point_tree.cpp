@@ -298,7 +298,7 @@ PointLimits PointTree::limits(std::vector<float> distances_squared) const
     limits.slots_ = std::move(distances_squared);
     limits.slots_.resize(blocks_.size() * leaf_size, 0.0f);
     limits.nodes_.resize(nodes_.size());
-    const auto largest = [](const float* first) { return *std::max_element(first, first + 8); };
+    const auto largest = [](const float* first) { return *std::max_element(first, first + leaf_size); };
     for (int level = 0; level < levels_; ++level) {
         const auto children = static_cast<uint32_t>(level == 0 ? blocks_.size()
                                                                : level_begin_[static_cast<size_t>(level)] -

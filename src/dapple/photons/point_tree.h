@@ -55,7 +55,6 @@ struct DiscRegion {
 class PointLimits {
 public:
     PointLimits() = default;
-    bool empty() const { return slots_.empty(); }
     float squared(uint32_t slot) const { return slots_[slot]; }
     size_t memory_bytes() const { return slots_.size() * sizeof(float) + nodes_.size() * sizeof(nodes_[0]); }
 

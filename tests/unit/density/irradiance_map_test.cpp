@@ -62,7 +62,7 @@ TEST(IrradianceMap, HasTheMeanOfSearches)
 {
     constexpr int maps = 24;
     constexpr uint32_t photon_count = 20000, readers = 1000;
-    constexpr float reach = 0.35f;
+    constexpr float reach = 0.25f;
     for (const bool even : {false, true}) {
         double sum = 0.0, squares = 0.0, all = 0.0;
         int found = 0;

@@ -44,6 +44,10 @@ TEST(SurfacePlaces, RadiiHoldSoManyPlacesOfTheSide)
     EXPECT_NEAR(SurfacePlaces(two, 4).radius_at({Vec3(0, 0, 0), up}), 2.0f, 1e-6f);
     EXPECT_EQ(SurfacePlaces(two, 5).radius_at({Vec3(0, 0, 0), up}), infinity);
     EXPECT_EQ(places.radius_at({Vec3(0.5f, 0.5f, 0.0f), Vec3(1, 0, 0)}), infinity);
+    const SurfaceRegion middle{Vec3(0.5f, 0.5f, 0.0f), up};
+    const float radius = places.radius_at(middle);
+    EXPECT_EQ(places.radius_at(middle, 1.01f * radius), radius);
+    EXPECT_EQ(places.radius_at(middle, 0.99f * radius), infinity);
     EXPECT_GT(SurfacePlaces({{Vec3(1, 0, 0), up}}, 1).radius_at({Vec3(1, 0, 0), up}), 0.0f) << "coincide";
 }
 

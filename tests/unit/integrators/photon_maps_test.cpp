@@ -163,12 +163,15 @@ TEST(PhotonMaps, KeepToTheMemoryCeiling)
     PhotonMapPlan plan;
     plan.global_paths = 1'000'000'000;
     plan.caustic_paths = 1'000'000'000;
+    plan.nearest = 50;
+    plan.precompute_irradiance = true;
     constexpr int64_t ceiling = 64 << 20;
     limit_memory(plan, context, ColorModel::spectral, ceiling);
     EXPECT_LT(plan.global_paths, 1'000'000'000);
     size_t kept = 0;
     for (const PhotonMapSet& set : trace_photon_maps(context, ColorModel::spectral, plan, 0))
-        kept += set.global.memory_bytes() + set.caustic.memory_bytes();
+        kept += set.global.memory_bytes() + set.caustic.memory_bytes() + set.discs.memory_bytes() +
+                set.places.memory_bytes() + set.irradiance.memory_bytes();
     EXPECT_LT(kept, static_cast<size_t>(ceiling));
     EXPECT_GT(kept, static_cast<size_t>(ceiling) / 8);  // the ceiling is used, not feared
 }
