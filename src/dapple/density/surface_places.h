@@ -38,8 +38,8 @@ public:
     SurfacePlace place(uint32_t slot) const;
 
     // The radius of an estimate there [m], above 0: that of the disc that just holds places_per_disc places of the
-    // surface, or all there are, times the scale. Infinite where there are not half as many, or where it is not below
-    // the limit. At one of the places it counts itself.
+    // surface, or all there are, times the scale. Infinite where there are not half as many (with a limit: not all), or
+    // where it is not below the limit. At one of the places it counts itself.
     float radius_at(const SurfaceRegion& region, float limit = infinity) const;
 
     // Slot and squared distance of the place nearest to a point, on the side of the normal; false: there is none

@@ -104,7 +104,7 @@ TEST(PhotonGather, DoesNotFavourDensePhotons)
     EXPECT_NEAR(gathered(*world, maps, 1) / sampled, 1.0, 1e-4) << "direct light has no noise here";
     const double irradiance = sampled / rays * pi / static_cast<double>(reflectance);
 
-    constexpr uint32_t trials = 600;
+    constexpr uint32_t trials = 300;
     Statistics statistics;
     const PassContext context{*world, 0, 0, statistics};
     for (const bool precomputed : {false, true})
