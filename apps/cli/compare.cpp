@@ -119,15 +119,13 @@ int compare(const Options& options)
     if (options.exact) return compare_exactly(options);
     const Image test = read(options.test, options.layer);
     const Image reference = read(options.reference, options.layer);
-    const auto size = [](const Image& image) {
-        return fmt::format("{} x {} pixels of {}", image.width, image.height,
-                           counted(size_t(image.channels), "channel"));
-    };
-    if (size(test) != size(reference))
-        throw UserError(
-            fmt::format("'{}' has {}, but '{}' has {}", options.test, size(test), options.reference, size(reference)));
     const CompareOptions limits{options.clamp};
-    const ImageComparison comparison = compare_images(test, reference, limits);
+    ImageComparison comparison;
+    try {
+        comparison = compare_images(test, reference, limits);
+    } catch (const UserError& error) {
+        throw UserError(fmt::format("'{}' and '{}': {}", options.test, options.reference, error.what()));
+    }
 
     bool good = true;
     for (size_t c = 0; c < comparison.mean_ratio.size(); ++c) {

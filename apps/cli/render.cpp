@@ -4,6 +4,7 @@
 #include "dapple/base/error.h"
 #include "dapple/base/log.h"
 #include "dapple/base/parallel.h"
+#include "dapple/base/temp_folder.h"
 #include "dapple/base/words.h"
 #include "dapple/render/checkpointer.h"
 #include "dapple/render/duration.h"
@@ -217,7 +218,7 @@ std::vector<std::string> write_results(const RenderOptions& options, const Check
     output.exposure = options.exposure;
     output.crop_min = identity.film.crop_min;
     output.full_size = identity.film.resolution;
-    output.rescue_folders = {".", std::filesystem::temp_directory_path().string()};
+    output.rescue_folders = {".", temp_path().string()};
     output.requests = &requests;
     output.write_state = [&](const std::string& path) {
         CheckpointHeader header = identity;

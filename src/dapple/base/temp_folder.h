@@ -10,11 +10,19 @@
 
 namespace dapple {
 
+// Where temporary files go: what TMPDIR and the like name, or /tmp where that is no folder. Never throws.
+inline std::filesystem::path temp_path()
+{
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::temp_directory_path(error);
+    return error ? std::filesystem::path("/tmp") : path;
+}
+
 class TempFolder {
 public:
     TempFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "dapple-XXXXXX").string();
+        std::string name = (temp_path() / "dapple-XXXXXX").string();
         if (!mkdtemp(name.data())) throw UserError("cannot make a folder like " + name);
         path_ = name;
     }

@@ -20,12 +20,10 @@ struct SurfacePlaces::OnSurface {
     uint32_t operator()(uint32_t leaf) const
     {
         const float* n = normals + size_t{leaf} * leaf_size * 3;
-        Float8 cosine = Float8::load(n) * Float8::all(region.normal.x) +
-                        Float8::load(n + leaf_size) * Float8::all(region.normal.y) +
-                        Float8::load(n + 2 * leaf_size) * Float8::all(region.normal.z);
-        if (region.side == PhotonSide::opposite) cosine = Float8::all(0.0f) - cosine;
-        if (region.side == PhotonSide::both) cosine = abs(cosine);
-        return less_mask(Float8::all(region.min_normal_cosine), cosine);
+        return region.takes(Float8::load(n) * Float8::all(region.normal.x) +
+                                Float8::load(n + leaf_size) * Float8::all(region.normal.y) +
+                                Float8::load(n + 2 * leaf_size) * Float8::all(region.normal.z),
+                            Float8::all(1.0f));
     }
 };
 

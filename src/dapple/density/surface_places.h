@@ -31,7 +31,6 @@ public:
     // likes, and what is divided by its squared distance has no variance. scale: of all radii.
     SurfacePlaces(const std::vector<SurfacePlace>& places, int places_per_disc, float scale = 1.0f);
 
-    bool empty() const { return tree_.size() == 0; }
     uint32_t size() const { return tree_.size(); }
     size_t memory_bytes() const { return tree_.memory_bytes() + normals_.size() * sizeof(float); }
     // The place in a slot, 0 to size() - 1, with the normal as it was given.

@@ -38,6 +38,13 @@ struct SurfaceRegion {
                 : side == PhotonSide::opposite ? -cosine
                                                : std::fabs(cosine)) > min_normal_cosine;
     }
+    // A mask of those that count among eight, of the products of their normals with the region's and their lengths.
+    uint32_t takes(Float8 products, Float8 lengths) const
+    {
+        if (side == PhotonSide::opposite) products = Float8::all(0.0f) - products;
+        if (side == PhotonSide::both) products = abs(products);
+        return less_mask(Float8::all(min_normal_cosine) * lengths, products);
+    }
 };
 
 // Photons that coincide would make the radius of an estimate 0.
@@ -51,8 +58,8 @@ public:
     // An empty map that knows of no emission.
     PhotonMap() = default;
     // Joins the batches in their order and sorts them. `emitted` counts all emitted light paths, also those that left
-    // no photon here. Photons that are not usable are left out and
-    // counted. Parallel; the result depends on the photons and their order alone.
+    // no photon here. Photons that are not usable are left out and counted. Parallel; the result depends on the photons
+    // and their order alone.
     PhotonMap(std::vector<std::vector<Photon>>&& batches, uint64_t emitted);
 
     uint32_t size() const { return tree_.size(); }
@@ -144,7 +151,6 @@ private:
 inline uint32_t PhotonMap::NormalFilter::operator()(uint32_t leaf) const
 {
     const Float8 one = Float8::all(1.0f);
-    const Float8 zero = Float8::all(0.0f);
     const Float8 scale = Float8::all(1.0f / octahedral_steps<8>);
     Float8 u, v;
     bytes_to_floats(normals + leaf * PointTree::leaf_size, u, v);
@@ -153,11 +159,9 @@ inline uint32_t PhotonMap::NormalFilter::operator()(uint32_t leaf) const
     const Float8 z = one - abs(u) - abs(v);
     const Float8 x = select_negative(z, copy_sign(one - abs(v), u), u);
     const Float8 y = select_negative(z, copy_sign(one - abs(u), v), v);
-    Float8 cosine =
-        x * Float8::all(region.normal.x) + y * Float8::all(region.normal.y) + z * Float8::all(region.normal.z);
-    if (region.side == PhotonSide::opposite) cosine = zero - cosine;
-    if (region.side == PhotonSide::both) cosine = abs(cosine);
-    return less_mask(Float8::all(region.min_normal_cosine) * sqrt(x * x + y * y + z * z), cosine);
+    return region.takes(
+        x * Float8::all(region.normal.x) + y * Float8::all(region.normal.y) + z * Float8::all(region.normal.z),
+        sqrt(x * x + y * y + z * z));
 }
 
 }  // namespace dapple

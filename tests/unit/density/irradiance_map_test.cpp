@@ -1,5 +1,7 @@
 #include "dapple/density/irradiance_map.h"
 
+#include "photon_radii.h"
+
 #include <gtest/gtest.h>
 
 #include "dapple/density/estimate.h"
@@ -37,14 +39,6 @@ SurfacePlaces places_of_square(uint32_t photons, uint64_t trial = 0, uint64_t pu
         places.push_back({Vec3(u.x, u.y, 0.0f), Vec3(0, 0, 1)});
     }
     return SurfacePlaces(places, 13);
-}
-
-PointLimits radii_of(const PhotonMap& photons, const SurfacePlaces& places)
-{
-    std::vector<float> squared(photons.size());
-    for (uint32_t slot = 0; slot < photons.size(); ++slot)
-        squared[slot] = sqr(places.radius_at({photons.position(slot), photons.normal(slot)}));
-    return photons.tree().limits(std::move(squared));
 }
 
 float irradiance_at(const PhotonMap& photons, const PointLimits& radii, const SurfaceRegion& region)
@@ -88,10 +82,10 @@ TEST(IrradianceMap, HasTheMeanOfSearches)
         }
         const double error = std::sqrt((squares - sum * sum) / maps);
         EXPECT_NEAR(sum, 0.0, 4.0 * error) << (even ? "even" : "independent");
-        EXPECT_LT(error, 0.0012) << "too noisy to tell";
+        EXPECT_LT(error, 0.0008) << "too noisy to tell";
         EXPECT_NEAR(all / (maps * readers), 1.0, 0.003);
         const double share = double(found) / (maps * readers);
-        EXPECT_NEAR(share, 1.0 - std::exp(-13.0 * sqr(double(reach))), 0.03) << "reach of records";
+        EXPECT_NEAR(share, 1.0 - std::exp(-13.0 * sqr(double(reach))), 0.02) << "reach of records";
         std::printf("[ measured ] %s: %+.4f +- %.4f, searches %.4f, records for %.3f\n", even ? "even" : "independent",
                     sum, error, all / (maps * readers), share);
     }

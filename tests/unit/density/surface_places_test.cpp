@@ -1,5 +1,7 @@
 #include "dapple/density/surface_places.h"
 
+#include "photon_radii.h"
+
 #include <gtest/gtest.h>
 
 #include "dapple/density/estimate.h"
@@ -104,10 +106,7 @@ TEST(SurfacePlaces, KeepTheFluxOfABrightPatch)
         std::vector<SurfacePlace> given;
         for (const Vec3& p : throw_light(2 * trial + 1, photon_count / 4)) given.push_back({p, up});
         const SurfacePlaces places(given, 13);
-        std::vector<float> squared(map.size());
-        for (uint32_t slot = 0; slot < map.size(); ++slot)
-            squared[slot] = sqr(places.radius_at({map.position(slot), map.normal(slot)}));
-        const PointLimits radii = map.tree().limits(squared);
+        const PointLimits radii = radii_of(map, places);
         NearestPoints nearest(50);
         const Vec2 shift = RandomStream(13, trial, 0).next_2d();
         for (int i = 0; i < steps * steps; ++i) {
