@@ -6,17 +6,17 @@
 // radius) and indirect light. A gather ray from x asks the global map, or irradiance computed beforehand, at the first
 // vertex y that is no delta; this gives all light that leaves y. Where y is nearer than estimates there are wide, or is
 // rough glass or metal, the path goes on instead: direct light and caustics are taken at y, and the next vertex is
-// asked. How wide estimates are is told by other light paths (density/surface_places.h), so that the choice favours
-// neither dense photons nor sparse ones.
+// asked. What narrow lobes threw on x is shared with the caustic map there (transport/caustic_share.h). How wide
+// estimates are is told by other light paths (density/surface_places.h), so that the choice favours neither dense
+// photons nor sparse ones.
 #pragma once
 
 #include "dapple/density/estimate.h"
+#include "dapple/integrators/caustic_run.h"
 #include "dapple/integrators/photon_maps.h"
 #include "dapple/integrators/pixel_loop.h"
 #include "dapple/integrators/surface_coverage.h"
 #include "dapple/transport/connect.h"
-
-#include <limits>
 
 namespace dapple {
 
@@ -61,14 +61,6 @@ private:
     std::vector<WeightedPhoton>& found_ = scratch();
 };
 
-// Whether scattering spreads over the hemisphere, so that the few photons of an estimate sample it well. Rough glass
-// and metal are left to the gather ray, which goes on.
-inline bool is_wide(const Bsdf& bsdf)
-{
-    return bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission ||
-           bsdf.kind == BsdfKind::coated_diffuse;
-}
-
 // Which light a gather ray brings: all, or what comes from wide surfaces (is_wide) or from others. The first surface
 // that is no delta decides. Lamps that are met before it are added to any part, unless left out (begin_at_diffuse).
 enum class GatherPart { all, from_wide, from_narrow };
@@ -104,37 +96,43 @@ public:
         skip_direct_ = true;
     }
 
-    void add_emission(const Walk& walk, bool weigh)
+    // part: of the light, that no photons bring.
+    void add_emission(const Walk& walk, bool weigh, float part = 1.0f)
     {
         const LightId emitter = walk.vertex().emitter;
         if (emitter.valid())
-            sink_.add(met_emission(world_, walk, weigh) * share_, classify(events(walk), {}),
+            sink_.add(met_emission(world_, walk, weigh) * (share_ * part), classify(events(walk), {}),
                       world_.lights.list[emitter.value].group);
     }
 
-    void add_escaped(const Walk& walk, bool weigh)
+    void add_escaped(const Walk& walk, bool weigh, float part = 1.0f)
     {
         if (!walk.escaped()) return;
         for (LightId light : world_.environments)
-            sink_.add(met_environment(world_, walk, light, weigh) * share_, classify(events(walk), {}),
+            sink_.add(met_environment(world_, walk, light, weigh) * (share_ * part), classify(events(walk), {}),
                       world_.lights.list[light.value].group);
     }
 
     // By light sampling, with the MIS weight against what follow() meets.
-    void add_direct(const Walk& walk)
+    void add_direct(const Walk& walk, const CausticRun& run = CausticRun())
     {
         const DirectLight direct = direct_light(world_, walk, walk.vertex(), true, random_);
         if (!direct.found) return;
         PathEvents met = events(walk);
         met.add_surface(false);
-        sink_.add(direct.radiance * share_, classify(met, {}), direct.group);
+        const float part = run.of_direct(share_from(walk.vertex(), direct.wi));
+        sink_.add(direct.radiance * (share_ * part), classify(met, {}), direct.group);
     }
 
-    EstimateSupport add_caustics(const Walk& walk)
+    EstimateSupport add_caustics(const Walk& walk, const CausticRun& run = CausticRun())
     {
+        const Vertex& vertex = walk.vertex();
         const EstimateSupport support =
-            finder_.find(world_, walk.vertex(), maps_.caustic, settings_.caustic_bandwidth(caustic_radius()));
-        add_photons(walk, maps_.caustic);
+            finder_.find(world_, vertex, maps_.caustic, settings_.caustic_bandwidth(caustic_radius()));
+        add_photons(walk, maps_.caustic, [&](const Vec3& wi, PathClass photon) {
+            return run.of_caustic(photon, share_from(vertex, wi),
+                                  caustic_share(pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance)));
+        });
         return support;
     }
 
@@ -143,7 +141,7 @@ public:
     {
         const EstimateSupport support =
             finder_.find(world_, walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius()));
-        add_photons(walk, maps_.global);
+        add_photons(walk, maps_.global, [](const Vec3&, PathClass) { return 1.0f; });
         return support;
     }
 
@@ -164,34 +162,49 @@ public:
     {
         float first = infinity;
         float since_last = 0.0f;  // way since the last vertex that is no delta
-        // D's before the vertex where the map stood for all but what a smooth coat mirrors.
-        int mapped = std::numeric_limits<int>::max();
-        while (const Vertex* vertex = walk.next(world_, random_)) {
-            if (!(first < infinity)) first = vertex->distance;
-            if (events(walk).diffuse > mapped) return first;
+        bool mapped = false;      // at the last vertex the map stood for all but what its coat mirrors
+        bool wide = is_wide(walk.vertex().bsdf);
+        CausticRun run(diffuse_before_ > 0);
+        walk.keep_reverse_density();
+        for (;;) {
+            const Vertex* vertex = walk.next(world_, random_);
+            if (vertex && !(first < infinity)) first = vertex->distance;
+            if (mapped && walk.pdf_direction() > 0.0f) {
+                if (!(random_.next() < caustic_share(walk.pdf_reverse()))) return first;
+                since_last = 0.0f;
+            }
+            run.leave(walk.pdf_direction(), caustic_share(walk.pdf_reverse()), wide, mapped);
+            if (!vertex) break;
             since_last += vertex->distance;
-            if (!counted_elsewhere(walk)) add_emission(walk, true);
+            if (!counted_elsewhere(walk)) add_emission(walk, true, run.of_lights());
             if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
             if (!vertex->is_delta()) {
                 if (part != GatherPart::all && is_wide(vertex->bsdf) != (part == GatherPart::from_wide)) return first;
                 part = GatherPart::all;
-                // What a smooth coat mirrors is seen sharply, as from the eye.
-                if (events(walk).diffuse > 0 && is_wide(vertex->bsdf) && add_from_global_map(walk, since_last)) {
-                    if (!vertex->has_delta_lobe()) return first;
-                    mapped = events(walk).diffuse;
+                wide = is_wide(vertex->bsdf);
+                mapped = events(walk).diffuse > 0 && wide && add_from_global_map(walk, since_last, run);
+                if (mapped) {
+                    if (vertex->bsdf.kind != BsdfKind::coated_diffuse) return first;
                 } else {
-                    add_direct(walk);
-                    add_caustics(walk);
+                    add_direct(walk, run);
+                    add_caustics(walk, run);
                     since_last = 0.0f;
                 }
             }
             if (!walk.survive_roulette(random_)) return first;
         }
-        if (!counted_elsewhere(walk) && events(walk).diffuse <= mapped) add_escaped(walk, true);
+        if (!counted_elsewhere(walk)) add_escaped(walk, true, run.of_lights());
         return first;
     }
 
 private:
+    // s of light from wi.
+    static float share_from(const Vertex& vertex, const Vec3& wi)
+    {
+        if (vertex.bsdf.is_matte()) return 0.0f;
+        return caustic_share(pdf(vertex.bsdf, wi, vertex.wo, TransportMode::importance));
+    }
+
     PathEvents events(const Walk& walk) const
     {
         PathEvents events = walk.events();
@@ -215,10 +228,12 @@ private:
     }
 
     // Adds the light of the photons found; each under the class of its own path where the walk has met no D before.
-    void add_photons(const Walk& walk, const PhotonMap& map);
+    // part(wi, class): of the light of a photon; asked where the surface is not matte.
+    template <class Part>
+    void add_photons(const Walk& walk, const PhotonMap& map, const Part& part);
 
     // The light of the map. False: estimates are too wide there, the walk shall go on.
-    bool add_from_global_map(const Walk& walk, float since_last);
+    bool add_from_global_map(const Walk& walk, float since_last, const CausticRun& run);
 
     const GatherSettings& settings_;
     const World& world_;
@@ -235,23 +250,26 @@ private:
 };
 
 template <class Sink>
-void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map)
+template <class Part>
+void PhotonGather<Sink>::add_photons(const Walk& walk, const PhotonMap& map, const Part& part)
 {
     const Vertex& vertex = walk.vertex();
     const PathEvents met = events(walk);
     PhotonLight light(sink_, walk.arriving() * share_, light_groups_);
+    const bool matte = vertex.bsdf.is_matte();
     for (const auto& [slot, weight] : finder_.found()) {
         const Vec3 wi = map.direction(slot);
         const Spectrum f = evaluate(vertex.bsdf, vertex.wo, wi, TransportMode::radiance);
         if (f.is_black()) continue;
-        light.add(f * map.flux(slot) * (weight * shading_per_area(vertex.bsdf, wi)),
+        const float share = matte ? 1.0f : part(wi, static_cast<PathClass>(map.path_class(slot)));
+        light.add(f * map.flux(slot) * (weight * share * shading_per_area(vertex.bsdf, wi)),
                   class_with_photon(met, map.path_class(slot)), LightGroup(map.light_group(slot)));
     }
     light.hand_over();
 }
 
 template <class Sink>
-bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
+bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last, const CausticRun& run)
 {
     const Vertex& vertex = walk.vertex();
     if (vertex.bsdf.kind == BsdfKind::diffuse && !maps_.irradiance.empty()) {
@@ -272,7 +290,8 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last)
         if (maps_.places.radius_at(region, since_last) >= since_last) return false;
         finder_.find(world_, region, maps_.global, maps_.discs);
     }
-    add_photons(walk, maps_.global);
+    add_photons(walk, maps_.global,
+                [&](const Vec3& wi, PathClass photon) { return run.of_mapped(photon, share_from(vertex, wi)); });
     return true;
 }
 

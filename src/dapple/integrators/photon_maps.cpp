@@ -21,7 +21,7 @@ std::vector<std::vector<Photon>> caustic_photons(const std::vector<std::vector<P
     std::vector<std::vector<Photon>> out(batches.size());
     for (size_t i = 0; i < batches.size(); ++i)
         for (const Photon& photon : batches[i])
-            if (photon.path_class == static_cast<uint8_t>(PathClass::caustic)) out[i].push_back(photon);
+            if (photon.caustic) out[i].push_back(photon);
     return out;
 }
 
@@ -70,16 +70,16 @@ double photon_map_bytes(const PhotonMapPlan& plan, const PassContext& context, C
     request.paths = 8192;
     request.max_depth = plan.max_depth;
     request.keep_direct = plan.keep_direct;
+    request.mark_caustics = plan.caustic_map;
     double photons = 0.0, caustic = 0.0;
     for (const auto& batch : trace_photons(context.world, request))
         for (const Photon& photon : batch) {
             photons += 1.0;
-            caustic += photon.path_class == static_cast<uint8_t>(PathClass::caustic);
+            caustic += photon.caustic;
         }
     const double per_path = 1.0 / static_cast<double>(request.paths);
-    const double copies = plan.caustic_map ? caustic : 0.0;
     const double global = photons * per_path * static_cast<double>(plan.global_paths);
-    const double stored = global + copies * per_path * static_cast<double>(plan.global_paths + plan.caustic_paths);
+    const double stored = global + caustic * per_path * static_cast<double>(plan.global_paths + plan.caustic_paths);
     // Kept: packed photons; discs of those of the global map, and a quarter as many places with irradiance. While a set
     // is built: its photons as they were traced, with room to grow, and what sorting takes (photon_map.h).
     const double place = 28.0 + (plan.precompute_irradiance ? sizeof(IrradianceRecord) : 0);
@@ -127,10 +127,12 @@ std::vector<PhotonMapSet> trace_photon_maps(const PassContext& context, ColorMod
         if (global_paths > 0) {
             request.stream = stream(0);
             request.paths = global_paths;
+            request.mark_caustics = plan.caustic_map;
             std::vector<std::vector<Photon>> global = trace_photons(context.world, request);
             if (context.cancelled()) return maps;
             if (plan.caustic_map) caustic = caustic_photons(global);
             map.global = PhotonMap(std::move(global), static_cast<uint64_t>(global_paths));
+            request.mark_caustics = false;
             if (plan.nearest > 0) {
                 request.paths = (global_paths + photons_per_place - 1) / photons_per_place;
                 request.stream = stream(3);

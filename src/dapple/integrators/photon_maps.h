@@ -1,4 +1,5 @@
-// The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D; a quarter as many
+// The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D, with what narrow
+// lobes throw on wide surfaces (transport/caustic_share.h); a quarter as many
 // further light paths tell how wide the discs of the global map's photons are, and as many again how wide estimates are
 // at other places: irradiance is precomputed where these land. (Were they the same, readers would find themselves more
 // often where places lie sparse, and discs of photons wide: records of an evenly lit floor were 1.3 % dark.)

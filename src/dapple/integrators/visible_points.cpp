@@ -85,8 +85,7 @@ Spectrum photon_radiance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, const
     if (f.is_black()) return f;
     float share = 1.0f;
     const bool caustic = path_class == PathClass::caustic;
-    const bool matte = bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::diffuse_transmission;
-    if (!matte && !(caustic && from_delta_light)) {
+    if (!bsdf.is_matte() && !(caustic && from_delta_light)) {
         const float density = pdf(bsdf, wo, wi, TransportMode::radiance);
         share = 1.0f - (caustic ? eye_share_of_caustic(density) : eye_share(density));
     }

@@ -26,6 +26,7 @@
 #include "dapple/density/schedule.h"
 #include "dapple/integrators/photon_maps.h"
 #include "dapple/integrators/pixel_loop.h"
+#include "dapple/transport/caustic_share.h"
 #include "dapple/transport/connect.h"
 #include "dapple/transport/photon_tracing.h"
 
@@ -51,13 +52,9 @@ inline constexpr SettingInfo wavelength_sets{"wavelengthsets", "sets", "4", ">= 
 
 // The share s of the eye path's own continuation in light from a direction that scattering samples with density
 // `pdf` [1/sr]; photons have the rest.
-inline float eye_share(float pdf) { return sqr(pdf > inv_pi ? pdf - inv_pi : 0.0f) / (1.0f + sqr(pdf - inv_pi)); }
+inline float eye_share(float pdf) { return narrow_share(pdf, 1.0f); }
 // The same where the light comes through delta surfaces alone.
-inline float eye_share_of_caustic(float pdf)
-{
-    constexpr float c = 30.0f;
-    return sqr(pdf > inv_pi ? pdf - inv_pi : 0.0f) / (sqr(c) + sqr(pdf - inv_pi));
-}
+inline float eye_share_of_caustic(float pdf) { return narrow_share(pdf, 30.0f); }
 
 // The wavelengths, and perhaps the time, that the eye paths and light paths of one set of a pass have in common.
 struct PassSet {

@@ -54,6 +54,7 @@ struct Bsdf {
 
     // Every lobe is a delta: nothing to evaluate, connect to, or store a photon at.
     bool is_delta() const { return kind != BsdfKind::diffuse && has_deltas_alone(); }
+    bool is_matte() const { return kind == BsdfKind::diffuse || kind == BsdfKind::diffuse_transmission; }
     bool transmits() const;
     // Whether sample_bsdf looks at u_lobe.
     bool chooses_lobe() const { return kind > BsdfKind::diffuse && kind != BsdfKind::conductor; }

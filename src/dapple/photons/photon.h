@@ -17,6 +17,7 @@ struct Photon {
     uint8_t light_group = 0;
     uint8_t path_class = 0;         // class of the path up to and including this vertex's arrival: see the integrator
     bool from_delta_light = false;  // point-like or distant: no eye path can meet that light
+    bool caustic = false;           // belongs to the caustic map, too: see the integrator
 };
 
 }  // namespace dapple

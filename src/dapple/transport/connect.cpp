@@ -99,6 +99,7 @@ DirectLight direct_light(const World& world, const Walk& walk, const Vertex& ver
     if (!(denominator > 0.0f)) return result;
     result.radiance = connection.value * (1.0f / denominator);
     result.group = world.lights.list[connection.light.value].group;
+    result.wi = connection.sample.wi;
     result.found = true;
     return result;
 }

@@ -43,6 +43,7 @@ bool connect_to_light(const World& world, const Carried& carried, const Vertex& 
 struct DirectLight {
     Spectrum radiance;  // towards wo [W/(m2 sr nm)], MIS weight against scattering included
     LightGroup group{0u};
+    Vec3 wi{0, 0, 1};  // unit, towards the light
     bool found = false;
 };
 // weigh: true: weighted by the balance heuristic for use beside emission met by scattering (see emission_weight);

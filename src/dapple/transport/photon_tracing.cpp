@@ -1,6 +1,7 @@
 #include "dapple/transport/photon_tracing.h"
 
 #include "dapple/base/parallel.h"
+#include "dapple/transport/caustic_share.h"
 #include "dapple/transport/emission.h"
 
 namespace dapple {
@@ -17,29 +18,32 @@ bool start_path(const World& world, const PhotonRequest& request, RandomStream& 
     return true;
 }
 
-bool wants(const PhotonRequest& request, PathClass path_class)
-{
-    if (request.caustic_only) return path_class == PathClass::caustic;
-    return request.keep_direct || path_class != PathClass::direct;
-}
-
 void trace_one(const World& world, const PhotonRequest& request, int64_t index, std::vector<Photon>& out)
 {
     RandomStream random = light_path_stream(request.seed, request.stream, index);
     Walk walk;
     bool delta_light = false;
     if (!start_path(world, request, random, walk, delta_light)) return;
+    bool caustic = request.mark_caustics || request.caustic_only;  // true with the product of s so far
     while (const Vertex* vertex = walk.next(world, random)) {
-        if (request.caustic_only && walk.events().diffuse > 0) return;
+        if (caustic && walk.depth() > 1 && walk.pdf_direction() > 0.0f) {
+            const float share = caustic_share(walk.pdf_direction());
+            caustic = share > 0.0f && random.next() < share;
+        }
+        if (request.caustic_only && !caustic) return;
         if (vertex->on_surface && !vertex->is_delta()) {
             PathEvents events = walk.events();
             events.add_surface(false);
             const PathClass path_class = classify({}, events);
-            if (wants(request, path_class))
+            // Narrow surfaces have no use for photons but for light that comes through deltas, which nothing else may
+            // find.
+            const bool marked = caustic && (path_class == PathClass::caustic ||
+                                            (path_class == PathClass::indirect && is_wide(vertex->bsdf)));
+            if (request.caustic_only ? marked : request.keep_direct || path_class != PathClass::direct)
                 out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
                                walk.arriving(), static_cast<uint8_t>(walk.light_group.value),
-                               static_cast<uint8_t>(path_class), delta_light});
-            if (request.caustic_only && !vertex->has_delta_lobe()) return;
+                               static_cast<uint8_t>(path_class), delta_light, marked});
+            if (request.caustic_only && vertex->bsdf.is_matte()) return;
         }
         if (walk.depth() >= request.max_depth || !walk.survive_roulette(random)) return;
     }

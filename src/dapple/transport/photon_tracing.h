@@ -1,6 +1,7 @@
 // Photon passes: emit, trace with Russian roulette, store at every vertex that is not a delta.
-// Jensen 1996, "Global illumination using photon maps": the global map holds L(S|D)*D, the caustic map LS+D.
-// Flux is not divided by the number of emitted paths: the store does that, once.
+// Jensen 1996, "Global illumination using photon maps": the global map holds L(S|D)*D, the caustic map LS+D and, on
+// wide surfaces, a share of what narrow lobes threw there (caustic_share.h). Flux is not divided by the number of
+// emitted paths: the store does that, once.
 #pragma once
 
 #include "dapple/photons/photon.h"
@@ -22,12 +23,13 @@ inline RandomStream light_path_stream(uint64_t seed, uint64_t stream, int64_t pa
 struct PhotonRequest {
     Wavelengths wavelengths;
     uint64_t seed = 0;
-    uint64_t stream = 0;        // tells this set of paths from all others
-    int64_t paths = 0;          // light paths to trace
-    bool caustic_only = false;  // end each path with its first D: only LS+D photons are kept
-    bool keep_direct = true;    // false: light that comes straight from its source is not stored
-    std::optional<float> time;  // of all paths; drawn for each if not given
-    int max_depth = 100;        // scatterings before the stored vertex, plus one
+    uint64_t stream = 0;         // tells this set of paths from all others
+    int64_t paths = 0;           // light paths to trace
+    bool mark_caustics = false;  // tell photons of the caustic map, with further random numbers
+    bool caustic_only = false;   // only these are kept
+    bool keep_direct = true;     // false: light that comes straight from its source is not stored
+    std::optional<float> time;   // of all paths; drawn for each if not given
+    int max_depth = 100;         // scatterings before the stored vertex, plus one
     const std::atomic<bool>* cancel = nullptr;
 };
 
