@@ -20,6 +20,9 @@
 // in 400 estimates, and takes 0.07 % of the light (simulated; k = 50, Epanechnikov); fewer than 16 photons are never
 // called uneven.
 //
+// A smaller r than the distance of the k-th photon is as exact: fewer photons lie within it. So estimates get narrower
+// from epoch to epoch and keep the even spread that k photons tell.
+//
 // What counts is decided by SurfaceRegion (photon_map.h): a flat disc, and photons whose normals agree with the
 // query's. A wall, however thin, keeps the light of its other side, unless the caller asks for it (transmission). Not
 // mended here, where nothing is known but photons: near the edge of a surface part of the disc is empty and the
@@ -42,6 +45,7 @@ struct Bandwidth {
     float max_radius = 0.0f;  // [m]; may be infinite if nearest > 0
     KernelKind kernel = KernelKind::epanechnikov;
     float min_radius = 0.0f;  // [m], if nearest > 0; at most max_radius
+    float shrinkage = 1.0f;   // r over the distance of the k-th photon, at most 1; not of max_radius and min_radius
 };
 
 // A photon of an estimate and its weight [1/m^2].
@@ -122,7 +126,8 @@ EstimateSupport visit_photons(const PhotonMap& map, const SurfaceRegion& region,
             std::min(std::max(least_radius(region.position), bandwidth.min_radius), bandwidth.max_radius);
         if (nearest.distance_squared(left_out) < sqr(least))
             return detail::visit_within(map, region, bandwidth.kernel, least, visit);
-        radius_squared = std::max(detail::even_radius_squared(nearest, left_out), sqr(least));
+        radius_squared =
+            std::max(detail::even_radius_squared(nearest, left_out) * sqr(bandwidth.shrinkage), sqr(least));
     } else if (!(bandwidth.max_radius < infinity)) {
         // The whole map has fewer photons than asked for, and no radius is given: take what there is.
         if (nearest.count() < 2) return {};

@@ -6,7 +6,8 @@
 //   at x      photons of the caustic map; where they are seen in a narrow lobe, but for light that comes through deltas
 //             alone, the ray that leaves in that lobe takes s of it over;
 //   mapped    where the global map stands for a vertex with a coat, the ray goes on with probability s, to find what
-//             the coat mirrors. It cannot find the light of point-like lamps, whose rest the map keeps.
+//             the coat mirrors. Light that comes there straight or through deltas alone it might not find: the map
+//             keeps what is left of that.
 #pragma once
 
 #include "dapple/base/path_class.h"
@@ -26,7 +27,7 @@ public:
         if (!(pdf > 0.0f)) return;
         const float through = so_far_ * share;
         of_lights_met_ = mapped ? 1.0f : through;
-        if (!mapped) so_far_ = through + (wide ? (1.0f - caustic_share(pdf)) * (1.0f - through) : 0.0f);
+        if (!mapped) so_far_ = through + (wide ? (1.0f - narrow_share(pdf)) * (1.0f - through) : 0.0f);
     }
 
     // What is left to this ray: of lights met before the next vertex that is no delta;
@@ -35,14 +36,16 @@ public:
     // there;
     float of_direct(float share) const { return 1.0f - so_far_ * share; }
     // of a photon of the caustic map. eye_share: s of the way from the eye;
-    float of_caustic(PathClass photon, float share, float eye_share) const
+    float of_caustic(PathClass photon, float share, float eye_share, bool wide) const
     {
-        return of_direct(share) * (photon == PathClass::caustic ? 1.0f : 1.0f - eye_share);
+        if (photon == PathClass::caustic) return of_direct(share);
+        return wide ? of_direct(share) * (1.0f - eye_share) : 0.0f;
     }
-    // of a photon of the global map where the vertex is mapped.
-    float of_mapped(PathClass photon, float share) const
+    // of a photon of the global map where the vertex is mapped. goes_on: whether the ray may.
+    float of_mapped(PathClass photon, float share, bool goes_on = true) const
     {
-        return photon == PathClass::direct || photon == PathClass::caustic ? of_direct(share) : 1.0f - share;
+        if (photon == PathClass::direct || photon == PathClass::caustic || !goes_on) return of_direct(share);
+        return 1.0f - share;
     }
 
 private:

@@ -18,8 +18,9 @@
 //
 // Records hold the light that comes from wide surfaces. What glossy metal or glass throws on x comes from few
 // directions, is strong, and is found by chance: one such ray among those of a record would be a blotch as wide as the
-// record. The eye path's own ray, which looks for lights, finds it instead, anew in every pixel and pass. (Glossy
-// things behind a wide surface that is too near for the map are in the records all the same.)
+// record. The caustic map has most of it (transport/caustic_share.h), and the eye path's own ray, which looks for
+// lights, finds the rest, anew in every pixel and pass. (Glossy things behind a wide surface that is too near for the
+// map are in the records all the same.)
 #include "dapple/integrators/cache_overture.h"
 #include "dapple/integrators/registry.h"
 

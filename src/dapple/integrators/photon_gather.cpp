@@ -37,11 +37,11 @@ std::vector<WeightedPhoton>& PhotonFinder::scratch()
 }
 
 EstimateSupport PhotonFinder::find(const World& world, const Vertex& vertex, const PhotonMap& map,
-                                   const Bandwidth& bandwidth)
+                                   const Bandwidth& bandwidth, bool caustics_alone)
 {
     const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
     return find_covered_photons(world, map, region, bandwidth, thread_nearest_points(bandwidth.nearest), found_,
-                                vertex.at.time);
+                                vertex.at.time, caustics_alone);
 }
 
 void PhotonFinder::find(const World& world, const SurfaceRegion& region, const PhotonMap& map, const PhotonDiscs& discs)

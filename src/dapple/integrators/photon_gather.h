@@ -4,11 +4,11 @@
 //
 // The light that leaves a vertex x is split into direct light (sampled), caustics (caustic map, kernel of a small
 // radius) and indirect light. A gather ray from x asks the global map, or irradiance computed beforehand, at the first
-// vertex y that is no delta; this gives all light that leaves y. Where y is nearer than estimates there are wide, or is
-// rough glass or metal, the path goes on instead: direct light and caustics are taken at y, and the next vertex is
-// asked. What narrow lobes threw on x is shared with the caustic map there (transport/caustic_share.h). How wide
-// estimates are is told by other light paths (density/surface_places.h), so that the choice favours neither dense
-// photons nor sparse ones.
+// vertex y that is no delta; this gives all light that leaves y, but for what a coat mirrors, for which the ray goes
+// on. Where y is nearer than estimates there are wide, or is rough glass or metal, it goes on, too: direct light and
+// caustics are taken at y, and the next vertex is asked. What narrow lobes threw on x or y is shared with photons
+// (transport/caustic_share.h, caustic_run.h). How wide estimates are is told by other light paths
+// (density/surface_places.h), so that the choice favours neither dense photons nor sparse ones.
 #pragma once
 
 #include "dapple/density/estimate.h"
@@ -33,9 +33,10 @@ struct GatherSettings {
     GatherSettings() = default;
     explicit GatherSettings(const Settings& settings);
 
-    Bandwidth global_bandwidth(float caustic_radius) const
+    // shrinkage: of radii, over those of the first epoch.
+    Bandwidth global_bandwidth(float caustic_radius, float shrinkage) const
     {
-        return {nearest, nearest == 0 ? caustic_radius : infinity, kernel};
+        return {nearest, nearest == 0 ? caustic_radius : infinity, kernel, 0.0f, shrinkage};
     }
     Bandwidth caustic_bandwidth(float radius) const
     {
@@ -50,8 +51,9 @@ struct GatherSettings {
 class PhotonFinder {
 public:
     // The photons of the map that take part in an estimate at the vertex are then in found(), with weights that allow
-    // for edges of the surface.
-    EstimateSupport find(const World& world, const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth);
+    // for edges of the surface. caustics_alone: those of that class.
+    EstimateSupport find(const World& world, const Vertex& vertex, const PhotonMap& map, const Bandwidth& bandwidth,
+                         bool caustics_alone = false);
     // The same for photons that have discs of their own.
     void find(const World& world, const SurfaceRegion& region, const PhotonMap& map, const PhotonDiscs& discs);
     const std::vector<WeightedPhoton>& found() const { return found_; }
@@ -120,18 +122,19 @@ public:
         if (!direct.found) return;
         PathEvents met = events(walk);
         met.add_surface(false);
-        const float part = run.of_direct(share_from(walk.vertex(), direct.wi));
+        const float part = run.of_direct(share_of_light(walk.vertex(), direct.wi));
         sink_.add(direct.radiance * (share_ * part), classify(met, {}), direct.group);
     }
 
     EstimateSupport add_caustics(const Walk& walk, const CausticRun& run = CausticRun())
     {
         const Vertex& vertex = walk.vertex();
+        const bool wide = is_wide(vertex.bsdf);
         const EstimateSupport support =
-            finder_.find(world_, vertex, maps_.caustic, settings_.caustic_bandwidth(caustic_radius()));
+            finder_.find(world_, vertex, maps_.caustic, settings_.caustic_bandwidth(caustic_radius()), !wide);
         add_photons(walk, maps_.caustic, [&](const Vec3& wi, PathClass photon) {
-            return run.of_caustic(photon, share_from(vertex, wi),
-                                  caustic_share(pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance)));
+            return run.of_caustic(photon, share_of_light(vertex, wi),
+                                  narrow_share(pdf(vertex.bsdf, vertex.wo, wi, TransportMode::radiance)), wide);
         });
         return support;
     }
@@ -140,7 +143,7 @@ public:
     EstimateSupport add_map(const Walk& walk)
     {
         const EstimateSupport support =
-            finder_.find(world_, walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius()));
+            finder_.find(world_, walk.vertex(), maps_.global, settings_.global_bandwidth(caustic_radius(), shrinkage_));
         add_photons(walk, maps_.global, [](const Vec3&, PathClass) { return 1.0f; });
         return support;
     }
@@ -156,8 +159,8 @@ public:
         return support;
     }
 
-    // One gather ray from the vertex of `walk`, until a vertex that the global map can stand for. Returns the distance
-    // of the first surface that it meets [m].
+    // One gather ray from the vertex of `walk`, until the global map stands for a vertex, or for its end where a coat
+    // mirrors nothing on. Returns the distance of the first surface that it meets [m].
     float follow(Walk walk, GatherPart part = GatherPart::all)
     {
         float first = infinity;
@@ -166,15 +169,16 @@ public:
         bool wide = is_wide(walk.vertex().bsdf);
         CausticRun run(diffuse_before_ > 0);
         walk.keep_reverse_density();
-        for (;;) {
-            const Vertex* vertex = walk.next(world_, random_);
-            if (vertex && !(first < infinity)) first = vertex->distance;
+        while (walk.leave(world_, random_)) {
+            const float share = narrow_share(walk.pdf_reverse());
             if (mapped && walk.pdf_direction() > 0.0f) {
-                if (!(random_.next() < caustic_share(walk.pdf_reverse()))) return first;
+                if (!(share > 0.0f && random_.next() < share)) return first;
                 since_last = 0.0f;
             }
-            run.leave(walk.pdf_direction(), caustic_share(walk.pdf_reverse()), wide, mapped);
+            run.leave(walk.pdf_direction(), share, wide, mapped);
+            const Vertex* vertex = walk.arrive(world_, random_);
             if (!vertex) break;
+            if (!(first < infinity)) first = vertex->distance;
             since_last += vertex->distance;
             if (!counted_elsewhere(walk)) add_emission(walk, true, run.of_lights());
             if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
@@ -199,10 +203,9 @@ public:
 
 private:
     // s of light from wi.
-    static float share_from(const Vertex& vertex, const Vec3& wi)
+    static float share_of_light(const Vertex& vertex, const Vec3& wi)
     {
-        if (vertex.bsdf.is_matte()) return 0.0f;
-        return caustic_share(pdf(vertex.bsdf, wi, vertex.wo, TransportMode::importance));
+        return vertex.bsdf.is_matte() ? 0.0f : narrow_share(reverse_pdf(vertex, wi, TransportMode::importance));
     }
 
     PathEvents events(const Walk& walk) const
@@ -284,14 +287,16 @@ bool PhotonGather<Sink>::add_from_global_map(const Walk& walk, float since_last,
     }
     if (settings_.nearest == 0) {
         if (caustic_radius() >= since_last) return false;
-        finder_.find(world_, vertex, maps_.global, settings_.global_bandwidth(caustic_radius()));
+        finder_.find(world_, vertex, maps_.global, settings_.global_bandwidth(caustic_radius(), shrinkage_));
     } else {
         const SurfaceRegion region = surface_region(vertex.at.position, vertex.bsdf, vertex.wo);
         if (maps_.places.radius_at(region, since_last) >= since_last) return false;
         finder_.find(world_, region, maps_.global, maps_.discs);
     }
-    add_photons(walk, maps_.global,
-                [&](const Vec3& wi, PathClass photon) { return run.of_mapped(photon, share_from(vertex, wi)); });
+    const bool goes_on = walk.depth() + diffuse_before_ < settings_.max_depth;
+    add_photons(walk, maps_.global, [&](const Vec3& wi, PathClass photon) {
+        return run.of_mapped(photon, share_of_light(vertex, wi), goes_on);
+    });
     return true;
 }
 

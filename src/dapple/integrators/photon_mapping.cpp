@@ -6,15 +6,16 @@
 // With final gathering the light at the first such vertex x is split as in the paper:
 //   direct      L D S* E    sampled: light sampling and gather rays that meet lights, weighed by MIS
 //   caustic     LS+D S* E   from the caustic map at x, kernel of a small radius, which widens where photons are few
-//   indirect                gather rays from x; at the second vertex y the global map gives all light that leaves y
-//                           (photon_gather.h).
+//   indirect                gather rays from x; at the second vertex y the global map gives the light that leaves y
+//                           (photon_gather.h); what narrow lobes throw on x is shared with the caustic map
+//                           (transport/caustic_share.h).
 // Without it everything but emission comes from the global map at x: fast and blotchy.
 //
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with caustic radii of
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
 // footprints. Bias: the blur of caustics and, one bounce away, of the global map; both vanish with passes. Direct light
-// is exact. Without final gathering the estimates take the k nearest photons, whose bias falls with photons per epoch
-// alone. Edges of surfaces are allowed for (surface_coverage.h, photon_discs.h). Surfaces only.
+// is exact. Without final gathering the estimates take the k nearest photons in the first epoch, then those within
+// a part of their distance that falls as the caustic radius does. Edges of surfaces are allowed for (surface_coverage.h, photon_discs.h). Surfaces only.
 #include "dapple/integrators/photon_gather.h"
 #include "dapple/integrators/registry.h"
 

@@ -1,9 +1,9 @@
-// The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D, with what narrow
-// lobes throw on wide surfaces (transport/caustic_share.h); a quarter as many
-// further light paths tell how wide the discs of the global map's photons are, and as many again how wide estimates are
-// at other places: irradiance is precomputed where these land. (Were they the same, readers would find themselves more
-// often where places lie sparse, and discs of photons wide: records of an evenly lit floor were 1.3 % dark.)
-// An epoch is a run of passes that share their maps; its maps are a pure function of (world, seed, epoch).
+// The photon maps of an epoch: for each wavelength set a global map L(S|D)*D and a caustic map LS+D, with a share of
+// what narrow lobes throw on things (transport/caustic_share.h); a quarter as many further light paths tell how wide
+// the discs of the global map's photons are, and as many again how wide estimates are at other places: irradiance is
+// precomputed where these land. (Were they the same, readers would find themselves more often where places lie sparse,
+// and discs of photons wide: records of an evenly lit floor were 1.3 % dark.) An epoch is a run of passes that share
+// their maps; its maps are a pure function of (world, seed, epoch).
 //
 // Where shapes move, all paths of a set have one time, eye paths of the pixels that use it included, and surfaces are
 // looked at when the photons were there: a set is a still picture, and the sets of all epochs average to the moving

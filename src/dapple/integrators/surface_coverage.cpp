@@ -205,11 +205,12 @@ bool sees_along_surface(const World& world, const SurfaceRegion& region, float r
 
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
                                      const Bandwidth& bandwidth, NearestPoints& nearest,
-                                     std::vector<WeightedPhoton>& found, float time)
+                                     std::vector<WeightedPhoton>& found, float time, bool caustics_alone)
 {
     found.clear();
     EstimateSupport support = visit_photons(map, region, bandwidth, nearest, [&](uint32_t slot, float weight) {
-        found.push_back({slot, weight});
+        if (!caustics_alone || map.path_class(slot) == static_cast<uint8_t>(PathClass::caustic))
+            found.push_back({slot, weight});
     });
     if (found.empty() || !can_look_around(region, support.radius)) return support;
     const Neighbourhood neighbourhood = look_around(world, region, support.radius, bandwidth.kernel, time);

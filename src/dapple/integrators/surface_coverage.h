@@ -74,9 +74,10 @@ inline RandomStream stream_of_trials(RandomStream random, int depth)
 }
 
 // The photons that take part in an estimate (density/estimate.h), with weights that allow for coverage. Replaces the
-// contents of `found`. `nearest` as for visit_photons.
+// contents of `found`. `nearest` as for visit_photons. caustics_alone: only photons of that class.
 EstimateSupport find_covered_photons(const World& world, const PhotonMap& map, const SurfaceRegion& region,
                                      const Bandwidth& bandwidth, NearestPoints& nearest,
-                                     std::vector<WeightedPhoton>& found, float time = 0.5f);
+                                     std::vector<WeightedPhoton>& found, float time = 0.5f,
+                                     bool caustics_alone = false);
 
 }  // namespace dapple

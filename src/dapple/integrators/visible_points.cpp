@@ -87,7 +87,7 @@ Spectrum photon_radiance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, const
     const bool caustic = path_class == PathClass::caustic;
     if (!bsdf.is_matte() && !(caustic && from_delta_light)) {
         const float density = pdf(bsdf, wo, wi, TransportMode::radiance);
-        share = 1.0f - (caustic ? eye_share_of_caustic(density) : eye_share(density));
+        share = 1.0f - (caustic ? eye_share_of_caustic(density) : narrow_share(density));
     }
     return f * flux * (weight * share * shading_per_area(bsdf, wi));
 }

@@ -6,8 +6,8 @@
 // Who brings what. At each vertex y of an eye path that is no delta:
 //   direct light          L y      light sampling at y and the ray that leaves y, weighed by MIS, as in path tracing;
 //   all other light       LX+ y    photons with weight 1 - s, and the eye path's own continuation with weight s.
-// s is a smooth function of the density p with which scattering at y samples the direction of the light:
-//   s(p) = t^2 / (t^2 + c^2),   t = max(0, p - 1/pi).
+// s is a smooth function of the density p with which scattering at y samples the direction of the light: narrow_share
+// (transport/caustic_share.h).
 // Where p is no more than the largest density of a matte surface, s = 0 and the eye path ends; in a narrow lobe, which
 // few photons hit, s tends to 1 and the eye path goes on (as a Russian roulette of s: its throughput stays). Both parts
 // are estimates of the same light and s depends on (wo, wi) alone, so any s is right; this one has no threshold in
@@ -50,10 +50,8 @@ inline constexpr SettingInfo wavelength_sets{"wavelengthsets", "sets", "4", ">= 
                                              "sets of four wavelengths per pass (spectral colour model)"};
 }  // namespace visible_point_setting
 
-// The share s of the eye path's own continuation in light from a direction that scattering samples with density
-// `pdf` [1/sr]; photons have the rest.
-inline float eye_share(float pdf) { return narrow_share(pdf, 1.0f); }
-// The same where the light comes through delta surfaces alone.
+// The share s (narrow_share) of the eye path's own continuation in light from a direction that scattering samples with
+// density `pdf` [1/sr], where the light comes through delta surfaces alone; photons have the rest.
 inline float eye_share_of_caustic(float pdf) { return narrow_share(pdf, 30.0f); }
 
 // The wavelengths, and perhaps the time, that the eye paths and light paths of one set of a pass have in common.
@@ -127,7 +125,7 @@ void trace_visible_points(const World& world, EyeSample& sample, const std::opti
                        world.lights.list[vertex->emitter.value].group);
         if (eye.depth() > max_depth) return;
         if (eye.pdf_direction() > 0.0f) {  // photons at the last D brought the other part
-            share = eye_share(eye.pdf_direction());
+            share = narrow_share(eye.pdf_direction());
             if (!(random.next() < share)) return;
             caustic_share = eye_share_of_caustic(eye.pdf_direction());
         }

@@ -180,18 +180,19 @@ private:
     }
 
     // Looks at the picture once it shows all of itself, to see how long writing will take; more often towards the end.
-    // Where that does not matter, or the light comes after eye paths, what was expected stays.
+    // Where that does not matter, what was expected stays.
     void look_at_picture()
     {
         const double now = elapsed(), least = 4 * std::chrono::duration<double>(tick).count();
-        if (job_.integrator.light_comes_last() || job_.writing.noise < 0.01 * job_.stop.seconds) return;
+        if (job_.writing.noise < 0.01 * job_.stop.seconds) return;
         if (now < next_look_ || now < job_.stop.seconds - 1.5 * job_.writing.noise) return;
         if (cancel_.load() || stop().seconds - now < 2 * look_cost_) return;  // it would delay the end
         std::unique_lock lock(mutex_);
         if (!shows_all()) return;
         const Image sample = job_.film.sample_rows(16);
         lock.unlock();
-        writing_ = job_.writing.seconds(sample);
+        writing_ = job_.writing.seconds(
+            sample, done_ == 0 && job_.integrator.light_comes_last() ? WriteTime::late_channels : 0);
         look_cost_ = elapsed() - now;
         next_look_ = now + std::max({0.5 * (stop().seconds - now), look_cost_ / look_share, least});
     }
@@ -269,8 +270,7 @@ private:
         return state;
     }
 
-    // How much of the running pass is done, in [0, 1): by the time that passes take; before that is known, by its eye
-    // paths.
+    // How much of the running pass is done, in [0, 1): by the time that passes take, in the first by its eye paths.
     double part_of_pass(double in_pass, uint64_t eye_paths) const
     {
         const double expected = times_.expected();

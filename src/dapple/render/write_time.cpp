@@ -61,6 +61,18 @@ double seconds_to_write(const std::vector<std::string>& paths, const Image& rows
 // Whole images do not fit into caches as these rows do (1.05 to 1.25 times for 28 layers of a megapixel).
 constexpr double whole = 1.15;
 
+// Of its pixels, those that are not black in all channels.
+double share_that_shows(const Image& image)
+{
+    const auto channels = static_cast<std::ptrdiff_t>(image.channels);
+    size_t pixels = 0, shown = 0;
+    for (auto pixel = image.pixels.begin(); pixel != image.pixels.end(); pixel += channels) {
+        ++pixels;
+        shown += std::any_of(pixel, pixel + channels, [](float value) { return value != 0.0f; });
+    }
+    return static_cast<double>(shown) / static_cast<double>(std::max<size_t>(pixels, 1));
+}
+
 }  // namespace
 
 WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSettings& film, bool half)
@@ -95,10 +107,11 @@ WriteTime time_to_write(const std::vector<std::string>& paths, const FilmSetting
     return time;
 }
 
-double WriteTime::seconds(const Image& rows) const
+double WriteTime::seconds(const Image& rows, int to_come) const
 {
     if (!(zip_noise > zip_black)) return expected();
-    const double detail = (zip_seconds(rows) / std::max(rows.height, 1) - zip_black) / (zip_noise - zip_black);
+    double detail = (zip_seconds(rows) / std::max(rows.height, 1) - zip_black) / (zip_noise - zip_black);
+    if (to_come > 0) detail += share_that_shows(rows) * to_come / std::max(rows.channels, 1);
     return black + std::clamp(detail, 0.0, 1.0) * (noise - black);
 }
 

@@ -25,20 +25,21 @@ void trace_one(const World& world, const PhotonRequest& request, int64_t index, 
     bool delta_light = false;
     if (!start_path(world, request, random, walk, delta_light)) return;
     bool caustic = request.mark_caustics || request.caustic_only;  // true with the product of s so far
-    while (const Vertex* vertex = walk.next(world, random)) {
-        if (caustic && walk.depth() > 1 && walk.pdf_direction() > 0.0f) {
-            const float share = caustic_share(walk.pdf_direction());
+    for (;;) {
+        if (!walk.leave(world, random)) return;
+        if (caustic && walk.pdf_direction() > 0.0f) {
+            const float share = narrow_share(walk.pdf_direction());
             caustic = share > 0.0f && random.next() < share;
         }
         if (request.caustic_only && !caustic) return;
+        const Vertex* vertex = walk.arrive(world, random);
+        if (!vertex) return;
         if (vertex->on_surface && !vertex->is_delta()) {
             PathEvents events = walk.events();
             events.add_surface(false);
             const PathClass path_class = classify({}, events);
-            // Narrow surfaces have no use for photons but for light that comes through deltas, which nothing else may
-            // find.
-            const bool marked = caustic && (path_class == PathClass::caustic ||
-                                            (path_class == PathClass::indirect && is_wide(vertex->bsdf)));
+            // On narrow surfaces, too: estimates at wide ones beside them count on it.
+            const bool marked = caustic && path_class != PathClass::direct;
             if (request.caustic_only ? marked : request.keep_direct || path_class != PathClass::direct)
                 out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
                                walk.arriving(), static_cast<uint8_t>(walk.light_group.value),

@@ -1,7 +1,7 @@
 // Photon passes: emit, trace with Russian roulette, store at every vertex that is not a delta.
-// Jensen 1996, "Global illumination using photon maps": the global map holds L(S|D)*D, the caustic map LS+D and, on
-// wide surfaces, a share of what narrow lobes threw there (caustic_share.h). Flux is not divided by the number of
-// emitted paths: the store does that, once.
+// Jensen 1996, "Global illumination using photon maps": the global map holds L(S|D)*D, the caustic map LS+D and a share
+// of what narrow lobes threw on things (caustic_share.h). Flux is not divided by the number of emitted paths: the store
+// does that, once.
 #pragma once
 
 #include "dapple/photons/photon.h"

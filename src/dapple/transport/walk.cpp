@@ -53,12 +53,12 @@ Walk start_at_camera(const World& world, const Vec2& raster, const Wavelengths& 
     return start_at_lens(world, raster, u_lens, path_start(wavelengths, random.next_2d()));
 }
 
-const Vertex* Walk::next(const World& world, RandomStream& random)
+bool Walk::leave(const World& world, RandomStream& random)
 {
     medium_emission_ = Spectrum(0.0f);
-    if (at_vertex_ && !scatter(world, random)) return nullptr;
+    if (at_vertex_ && !scatter(world, random)) return false;
     at_vertex_ = false;
-    return travel(world, random);
+    return true;
 }
 
 bool Walk::scatter(const World& world, RandomStream& random)
@@ -97,7 +97,7 @@ bool Walk::scatter(const World& world, RandomStream& random)
     return true;
 }
 
-const Vertex* Walk::travel(const World& world, RandomStream& random)
+const Vertex* Walk::arrive(const World& world, RandomStream& random)
 {
     float travelled = 0.0f;
     for (;;) {

@@ -67,7 +67,14 @@ public:
          const Spectrum& source);
 
     // The next vertex, or null when the walk was absorbed or has left the scene. Valid until the next call.
-    const Vertex* next(const World& world, RandomStream& random);
+    const Vertex* next(const World& world, RandomStream& random)
+    {
+        return leave(world, random) ? arrive(world, random) : nullptr;
+    }
+    // The same in two steps, for those whom the new direction tells whether to go on: scatters at the current vertex
+    // (if there is one; false: absorbed), and travels to the next.
+    bool leave(const World& world, RandomStream& random);
+    const Vertex* arrive(const World& world, RandomStream& random);
 
     // Ends the walk with the probability that its throughput has lost; true: it goes on, with its throughput raised.
     // coming: about what the next scattering will leave, where its loss is to count already: saves the ray to a vertex
@@ -114,7 +121,6 @@ public:
 
 private:
     bool scatter(const World& world, RandomStream& random);
-    const Vertex* travel(const World& world, RandomStream& random);
     bool scatters_in_medium(const World& world, float t_max, RandomStream& random);
     void keep_only_lane();
 

@@ -39,8 +39,8 @@ double times_counted(const std::vector<Scattering>& path)
         } else if (!v.delta) {
             if (photon == PathClass::direct)
                 sum += here * double(run.of_direct(v.share));
-            else if (photon == PathClass::caustic || v.wide)
-                sum += here * marked * double(run.of_caustic(photon, v.share, caustic_share(v.pdf)));
+            else
+                sum += here * marked * double(run.of_caustic(photon, v.share, narrow_share(v.pdf), v.wide));
         }
         // Light sampled at the vertex and met after it are two estimates of the same.
         const float direct = run.of_direct(v.share);
