@@ -15,7 +15,8 @@
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
 // footprints. Bias: the blur of caustics and, one bounce away, of the global map; both vanish with passes. Direct light
 // is exact. Without final gathering the estimates take the k nearest photons in the first epoch, then those within
-// a part of their distance that falls as the caustic radius does. Edges of surfaces are allowed for (surface_coverage.h, photon_discs.h). Surfaces only.
+// a part of their distance that falls as the caustic radius does. Edges of surfaces are allowed for
+// (surface_coverage.h, photon_discs.h). Surfaces only.
 #include "dapple/integrators/photon_gather.h"
 #include "dapple/integrators/registry.h"
 
