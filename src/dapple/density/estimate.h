@@ -21,7 +21,7 @@
 // called uneven.
 //
 // A smaller r than the distance of the k-th photon is as exact: fewer photons lie within it. So estimates get narrower
-// from epoch to epoch and keep the even spread that k photons tell.
+// from epoch to epoch, while whether light is even is still judged by all k.
 //
 // What counts is decided by SurfaceRegion (photon_map.h): a flat disc, and photons whose normals agree with the
 // query's. A wall, however thin, keeps the light of its other side, unless the caller asks for it (transmission). Not
@@ -45,7 +45,7 @@ struct Bandwidth {
     float max_radius = 0.0f;  // [m]; may be infinite if nearest > 0
     KernelKind kernel = KernelKind::epanechnikov;
     float min_radius = 0.0f;  // [m], if nearest > 0; at most max_radius
-    float shrinkage = 1.0f;   // r over the distance of the k-th photon, at most 1; not of max_radius and min_radius
+    float shrinkage = 1.0f;   // r over the distance of the k-th photon, at most 1; no part where there are fewer than k
 };
 
 // A photon of an estimate and its weight [1/m^2].

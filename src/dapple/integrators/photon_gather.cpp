@@ -20,14 +20,19 @@ GatherSettings::GatherSettings(const Settings& settings)
 
 std::string GatherSettings::describe(bool final_gather) const
 {
-    std::string other = "those within that radius, too";
-    if (nearest > 0)
-        other = final_gather ? fmt::format("discs of about {}, narrower from epoch to epoch", nearest)
-                             : fmt::format("the {} nearest", nearest);
-    return fmt::format(
-        "caustics: photons within {} in the first epoch; other light: {}; {} kernel",
-        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} px", radius_pixels), other,
-        kernel_names[static_cast<size_t>(kernel)]);
+    const std::string caustic =
+        fixed_radius > 0.0f ? fmt::format("{} scene units", fixed_radius) : fmt::format("{} px", radius_pixels);
+    std::string_view used = kernel_names[static_cast<size_t>(kernel)];
+    if (!final_gather)
+        return nearest > 0 ? fmt::format(
+                                 "photons: the {} nearest in the first epoch, narrower discs from epoch to epoch; "
+                                 "{} kernel",
+                                 nearest, used)
+                           : fmt::format("photons within {} in the first epoch; {} kernel", caustic, used);
+    return fmt::format("caustics: photons within {} in the first epoch; other light: {}; {} kernel", caustic,
+                       nearest > 0 ? fmt::format("discs of about {}, narrower from epoch to epoch", nearest)
+                                   : std::string("those within that radius, too"),
+                       used);
 }
 
 std::vector<WeightedPhoton>& PhotonFinder::scratch()

@@ -71,7 +71,7 @@ enum class GatherPart { all, from_wide, from_narrow };
 template <class Sink>
 class PhotonGather {
 public:
-    // shrinkage: of the caustic radius, over that of the first epoch.
+    // shrinkage: of radii, over those of the first epoch.
     PhotonGather(const GatherSettings& settings, const World& world, const PhotonMapSet& maps, float shrinkage,
                  bool light_groups, RandomStream& random, Sink& sink)
         : settings_(settings),
@@ -98,7 +98,7 @@ public:
         skip_direct_ = true;
     }
 
-    // part: of the light, that no photons bring.
+    // part: what is left of the light to this walk (CausticRun).
     void add_emission(const Walk& walk, bool weigh, float part = 1.0f)
     {
         const LightId emitter = walk.vertex().emitter;
@@ -159,8 +159,8 @@ public:
         return support;
     }
 
-    // One gather ray from the vertex of `walk`, until the global map stands for a vertex, or for its end where a coat
-    // mirrors nothing on. Returns the distance of the first surface that it meets [m].
+    // One gather ray from the vertex of `walk`, until the global map stands for a vertex. At a coat it goes on with
+    // probability s, for what the coat mirrors. Returns the distance of the first surface that it meets [m].
     float follow(Walk walk, GatherPart part = GatherPart::all)
     {
         float first = infinity;

@@ -13,9 +13,9 @@
 //
 // Progressive: passes are grouped into epochs; each epoch traces new maps, with caustic radii of
 // r_e^2 = r_1^2 Gamma(e + a) / (Gamma(1 + a) Gamma(e + 1)), e = 1, 2, ..., a = 2/3. r_1 is a number of pixel
-// footprints. Bias: the blur of caustics and, one bounce away, of the global map; both vanish with passes. Direct light
-// is exact. Without final gathering the estimates take the k nearest photons in the first epoch, then those within
-// a part of their distance that falls as the caustic radius does. Edges of surfaces are allowed for
+// footprints. Bias: the blur of what the caustic map has and, one bounce away, of the global map; both vanish with
+// passes. Direct light is exact. Without final gathering the estimates take the k nearest photons in the first epoch,
+// then those within a part of their distance that falls as the caustic radius does. Edges of surfaces are allowed for
 // (surface_coverage.h, photon_discs.h). Surfaces only.
 #include "dapple/integrators/photon_gather.h"
 #include "dapple/integrators/registry.h"
@@ -26,7 +26,8 @@ namespace dapple {
 namespace {
 
 constexpr SettingInfo settings_table[] = {
-    {"finalgather", "", "true", "true|false", "gather one bounce away from the photons; false shows the maps directly"},
+    {"finalgather", "", "true", "true|false",
+     "gather one bounce away from the photons; false shows the global map directly"},
     {"gatherrays", "rays", "2", ">= 1", "gather rays per eye path"},
     photon_setting::photons,
     photon_setting::caustic_photons,
@@ -79,7 +80,7 @@ public:
         std::vector<std::string> lines = epochs_.report();
         lines.push_back(gather_settings_.describe(final_gather_));
         lines.push_back(final_gather_ ? fmt::format("final gathering, rays per eye path: {}", gather_rays_)
-                                      : std::string("direct visualisation of the photon maps"));
+                                      : std::string("direct visualisation of the global map"));
         return lines;
     }
 

@@ -45,10 +45,10 @@ inline constexpr SettingInfo fixed_radius{
 inline constexpr SettingInfo spread{
     "spread", "photons", "8", ">= 0",
     "caustic estimates with fewer photons widen, up to three times the radius; 0: never"};
-inline constexpr SettingInfo nearest{
-    "nearest", "photons", "50", ">= 0",
-    "photons per estimate of the global map; for gather rays about as many at first, fewer from epoch to epoch; 0: all "
-    "within the caustic radius"};
+inline constexpr SettingInfo nearest{"nearest", "photons", "50", ">= 0",
+                                     "photons per estimate of the global map in the first epoch, fewer from epoch to "
+                                     "epoch; for gather rays about as many; "
+                                     "0: all within the caustic radius"};
 inline constexpr SettingInfo kernel{"kernel", "", "epanechnikov", "constant|cone|gaussian|epanechnikov|silverman",
                                     "kernel of the estimates"};
 inline constexpr SettingInfo irradiance{

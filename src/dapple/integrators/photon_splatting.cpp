@@ -133,7 +133,8 @@ public:
         PassContext eyes = context;
         if (context.half_time) eyes.cancel = context.half_time;
         see(eyes, film, sets, points);
-        for (VisiblePoints& of_set : points) of_set.index();
+        parallel_for(static_cast<int64_t>(points.size()), 1,
+                     [&](int64_t i) { points[static_cast<size_t>(i)].index(); });
         double per_photon = 1.0;
         if (context.half_time) {
             per_photon = splat_until_cut(context, film, sets, points);

@@ -6,13 +6,14 @@
 // Who brings what. At each vertex y of an eye path that is no delta:
 //   direct light          L y      light sampling at y and the ray that leaves y, weighed by MIS, as in path tracing;
 //   all other light       LX+ y    photons with weight 1 - s, and the eye path's own continuation with weight s.
-// s is a smooth function of the density p with which scattering at y samples the direction of the light: narrow_share
-// (transport/caustic_share.h).
-// Where p is no more than the largest density of a matte surface, s = 0 and the eye path ends; in a narrow lobe, which
-// few photons hit, s tends to 1 and the eye path goes on (as a Russian roulette of s: its throughput stays). Both parts
-// are estimates of the same light and s depends on (wo, wi) alone, so any s is right; this one has no threshold in
-// roughness and takes a coat apart from its base, as p is large in the coat's lobe only. c = 1: the two are even where
-// a lobe is as dense as that of a GGX surface of roughness 0.25.
+// s is a smooth function of the density p with which scattering at y samples the direction of the light: s = t^2 / (t^2
+// + c^2), t = max(0, p - 1/pi) (narrow_share, transport/caustic_share.h). Where p is no more than the largest density
+// of a matte surface, s = 0 and the eye path ends; in a narrow lobe, which few photons hit, s tends to 1 and the eye
+// path goes on (as a Russian roulette of s: its throughput stays). Both parts are estimates of the same light and s
+// depends on (wo, wi) alone, so any s is right; this one has no threshold in roughness and takes a coat apart from its
+// base, as p is large in the coat's lobe only. c = 1: the two are even where a lobe is as dense as that of a GGX
+// surface of alpha 0.25.
+//
 // Light that comes to y through delta surfaces alone (caustics, LS+ y) is met by the eye path only if it happens to
 // hit the lamp: there c = 30, and photons of point-like and distant lights, which no ray meets, have weight 1.
 //

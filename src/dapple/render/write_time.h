@@ -21,7 +21,7 @@ struct WriteTime {
     // For an image with rows like these, of the same channels [s]. Takes as long as compressing them. to_come: channels
     // that will be as noise where the rows show anything, and are black now.
     double seconds(const Image& rows, int to_come = 0) const;
-    static constexpr int late_channels = 4;  // where light comes last: indirect light, photon density
+    static constexpr int late_channels = 6;  // where light comes last: indirect light, its noise in the beauty, density
     // Before anything is known of it.
     double expected() const { return black + usual_detail * (noise - black); }
     static constexpr double usual_detail = 0.3;

@@ -17,7 +17,7 @@
 namespace dapple {
 
 // s(p) = t^2 / (t^2 + c^2),  t = max(0, p - 1/pi): 0 where scattering samples no denser than a matte surface at most,
-// 1/2 near p = c, 1 in narrow lobes [1/sr]. c = 1: even where a lobe is as dense as that of a GGX surface of roughness
+// 1/2 at p = c + 1/pi, 1 in narrow lobes [1/sr]. c = 1: even where a lobe is as dense as that of a GGX surface of alpha
 // 0.25.
 inline float narrow_share(float pdf, float c = 1.0f)
 {

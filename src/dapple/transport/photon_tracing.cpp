@@ -38,7 +38,7 @@ void trace_one(const World& world, const PhotonRequest& request, int64_t index, 
             PathEvents events = walk.events();
             events.add_surface(false);
             const PathClass path_class = classify({}, events);
-            // On narrow surfaces, too: estimates at wide ones beside them count on it.
+            // On narrow surfaces, too: a disc round a place on a wide one beside them would lack theirs.
             const bool marked = caustic && path_class != PathClass::direct;
             if (request.caustic_only ? marked : request.keep_direct || path_class != PathClass::direct)
                 out.push_back({vertex->at.position, vertex->wo, face_forward(vertex->at.n_geometric, vertex->wo),
