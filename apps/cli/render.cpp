@@ -90,6 +90,13 @@ void report_accidents(const Film& film)
                     counted(eye + splats, "sample"), eye + splats == 1 ? "was" : "were", eye, splats);
 }
 
+// Stopped by the user before any pixel had any light: no such image shall replace an older one.
+bool shows_nothing(const RenderResult& result)
+{
+    return result.by_request && !result.incomplete.empty() &&
+           std::all_of(result.image.pixels.begin(), result.image.pixels.end(), [](float v) { return v == 0.0f; });
+}
+
 // What the image lacks, and what to do about it.
 void report_lacks(const RenderResult& result, const IntegratorChoice& choice)
 {
@@ -339,6 +346,10 @@ int render(const RenderOptions& options, const RenderStart& start)
     if (limit.any()) job.stop.seconds = limit.left();
     RenderResult result = run(job, requests, *progress);
     report_accidents(film);
+    if (shows_nothing(result)) {
+        log_warning("stopped before there was anything to show: nothing is written");
+        return interrupts.status();
+    }
     report_lacks(result, choice);
     if (view && (result.film_whole || film.cut())) view->finish(film);
     std::vector<std::string> problems = write_results(options, identity, film, result, outputs,

@@ -234,6 +234,13 @@ class CommandLine(unittest.TestCase):
                 self.assertEqual(self.header("a.exr", "dapple:incomplete") is not None, passes == 0)
                 self.assertEqual("the first pass was cut short" in errors, passes == 0)
 
+    def test_second_interrupt_before_anything_is_there_keeps_an_older_picture(self):
+        (self.folder / "a.exr").write_bytes(b"older")
+        status, errors = self.signalled(2, "-i", "sppm", "--passes", "1", "--resolution", "4000x4000", "--layers", "beauty")
+        self.assertEqual(status, 130, errors)
+        self.assertIn("stopped before there was anything to show: nothing is written", errors)
+        self.assertEqual((self.folder / "a.exr").read_bytes(), b"older")
+
     def test_compare_has_an_exit_status(self):
         self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "one.exr", "--seed", 1)
         self.dapple("render", SCENE, "--quiet", "--passes", 1, "-o", "two.exr", "--seed", 2)
