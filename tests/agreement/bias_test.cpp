@@ -26,14 +26,19 @@ double squared_bias(const std::vector<Image>& a, const std::vector<Image>& b)
     return sum / blocks;
 }
 
-TEST(PhotonMapping, BiasFallsWithRadiusAndPhotons)
+std::vector<Image> path_traced(const TestScene& scene)
 {
-    const TestScene scene = agreement_scene("glass_and_mirror");
     RenderRequest path;
     path.integrator = "path";
     path.color_model = ColorModel::rgb;
     path.passes = 64;
-    const std::vector<Image> reference = scene.render_batches(path, 8);
+    return scene.render_batches(path, 8);
+}
+
+TEST(PhotonMapping, BiasFallsWithRadiusAndPhotons)
+{
+    const TestScene scene = agreement_scene("glass_and_mirror");
+    const std::vector<Image> reference = path_traced(scene);
     const auto bias = [&](const char* photons, const char* radius, const char* nearest) {
         RenderRequest request;
         request.integrator = "photonmap";
@@ -57,13 +62,11 @@ TEST(PhotonMapping, BiasFallsWithRadiusAndPhotons)
 TEST(PhotonMapping, EpochsTakeTheBlurOfDirectVisualisation)
 {
     const TestScene scene = agreement_scene("glass_and_mirror");
-    RenderRequest request;
-    request.integrator = "path";
-    request.color_model = ColorModel::rgb;
-    request.passes = 64;
-    const std::vector<Image> reference = scene.render_batches(request, 8);
+    const std::vector<Image> reference = path_traced(scene);
     const auto bias = [&](uint32_t passes) {
+        RenderRequest request;
         request.integrator = "photonmap";
+        request.color_model = ColorModel::rgb;
         request.passes = passes;
         request.seed = 500;
         request.settings = {{"photons", "10000"},

@@ -3,9 +3,8 @@
 // Light that comes to a vertex v of the ray straight from its source, or by narrow lobes alone, is a caustic at an
 // earlier vertex x too, with the product of s over the scatterings in between, that at v included. What is left of it
 // is counted at v. The sum over all ways to count a path is one (CausticRun in test_integrators).
-//   at x      photons of the caustic map. One that is seen in a narrow lobe of x counts 1 - s, and the ray that leaves
-//   in
-//             that lobe brings the other s; but of light that comes through deltas alone the photon has all.
+//   at x      photons of the caustic map. One that is seen in a narrow lobe of x counts 1 - s, and the ray that
+//             leaves by it brings the other s; but of light that comes through deltas alone the photon has all.
 //   mapped    where the global map stands for a vertex with a coat, the ray goes on with probability s, to find what
 //             the coat mirrors. Light that comes there straight or through deltas alone it might not find: the map
 //             keeps what is left of that.

@@ -183,9 +183,9 @@ public:
             if (!counted_elsewhere(walk)) add_emission(walk, true, run.of_lights());
             if (walk.depth() + diffuse_before_ > settings_.max_depth) return first;
             if (!vertex->is_delta()) {
-                if (part != GatherPart::all && is_wide(vertex->bsdf) != (part == GatherPart::from_wide)) return first;
-                part = GatherPart::all;
                 wide = is_wide(vertex->bsdf);
+                if (part != GatherPart::all && wide != (part == GatherPart::from_wide)) return first;
+                part = GatherPart::all;
                 mapped = events(walk).diffuse > 0 && wide && add_from_global_map(walk, since_last, run);
                 if (mapped) {
                     if (vertex->bsdf.kind != BsdfKind::coated_diffuse) return first;

@@ -65,12 +65,10 @@ constexpr double whole = 1.15;
 double share_that_shows(const Image& image)
 {
     const auto channels = static_cast<std::ptrdiff_t>(image.channels);
-    size_t pixels = 0, shown = 0;
-    for (auto pixel = image.pixels.begin(); pixel != image.pixels.end(); pixel += channels) {
-        ++pixels;
+    int64_t shown = 0;
+    for (auto pixel = image.pixels.begin(); pixel != image.pixels.end(); pixel += channels)
         shown += std::any_of(pixel, pixel + channels, [](float value) { return value != 0.0f; });
-    }
-    return static_cast<double>(shown) / static_cast<double>(std::max<size_t>(pixels, 1));
+    return static_cast<double>(shown) / std::max(1.0, double(image.width) * image.height);
 }
 
 }  // namespace
